@@ -1,0 +1,1 @@
+"""NEOL: reward-gated online plasticity for NEAT, reproduced."""

@@ -1,0 +1,1 @@
+"""NEAT: genomes, variation, species, reproduction. Knows no environment."""
