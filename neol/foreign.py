@@ -1,0 +1,58 @@
+"""Calls of C functions by address from inside a kernel.
+
+A ctypes function among a kernel's globals keeps numba from caching it: its address holds for one
+process only. Here the address is an argument like any other, so the kernel is cached.
+"""
+
+import ctypes
+from typing import Any
+
+from llvmlite import ir  # type: ignore[import-untyped]
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+
+def address(function: Any) -> int:
+    """The address of a ctypes function."""
+    value = ctypes.cast(function, ctypes.c_void_p).value
+    assert value is not None
+    return value
+
+
+def _c_call(returns: types.Type, function: types.Type, arguments: tuple[types.Type, ...]) -> Any:
+    """Numba's signature and code of a call: an array is passed as the pointer to its data."""
+    if not isinstance(function, types.Integer):
+        return None
+    signature = returns(function, types.StarArgTuple(arguments))  # type: ignore[no-untyped-call]
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        pointer, packed = values
+        passed = [
+            context.make_array(kind)(context, builder, value).data
+            if isinstance(kind, types.Array)
+            else value
+            for kind, value in zip(arguments, cgutils.unpack_tuple(builder, packed), strict=True)  # type: ignore[no-untyped-call]
+        ]
+        result = ir.VoidType() if returns == types.void else context.get_value_type(returns)
+        prototype = ir.FunctionType(result, [value.type for value in passed])
+        called = builder.call(builder.inttoptr(pointer, prototype.as_pointer()), passed)
+        return context.get_dummy_value() if returns == types.void else called
+
+    return signature, generate
+
+
+@intrinsic
+def call_void(typing_context: Any, function: Any, *arguments: Any) -> Any:
+    """Call a C function that returns nothing: call_void(function, *arguments).
+
+    `function` is its address. Arrays are passed as pointers, a handle as the int64 of its
+    address; integers and floats have the C type of their own width, so `int` is np.int32.
+    """
+    return _c_call(types.void, function, arguments)
+
+
+@intrinsic
+def call_int(typing_context: Any, function: Any, *arguments: Any) -> Any:
+    """Call a C function that returns an int: call_int(function, *arguments) (see `call_void`)."""
+    return _c_call(types.int32, function, arguments)
