@@ -1,0 +1,112 @@
+"""YAML files laid over each other, every value remembering where it came from."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from neol.errors import UserError
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML 1.2's plain scalars (`off` is a word, `1e-3` a number), and no key twice."""
+
+    yaml_implicit_resolvers = {}  # noqa: RUF012  # filled below through PyYAML's own interface
+
+    def construct_mapping(
+        self, node: yaml.MappingNode, deep: bool = False
+    ) -> dict[Any, Any]:
+        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        for index, key in enumerate(keys):
+            if key.value in [earlier.value for earlier in keys[:index]]:
+                raise yaml.constructor.ConstructorError(
+                    None,
+                    None,
+                    f'key "{key.value}" stands here a second time',
+                    key.start_mark,
+                )
+        return super().construct_mapping(node, deep)
+
+
+for _kind, _pattern, _first in (
+    ("null", r"null|~|", ["n", "~", ""]),
+    ("bool", r"true|false", ["t", "f"]),
+    ("int", r"[-+]?(0|[1-9][0-9]*)", list("-+0123456789")),
+    (
+        "float",
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?",
+        list("-+.0123456789"),
+    ),
+):
+    _Loader.add_implicit_resolver(
+        f"tag:yaml.org,2002:{_kind}", re.compile(f"^(?:{_pattern})$"), _first
+    )
+
+
+class Overlay:
+    """Nested dictionaries merged key by key; `values` is the result.
+
+    Raises UserError, in one line, for what cannot be read.
+    """
+
+    def __init__(self) -> None:
+        self.values: dict[str, Any] = {}
+        self._sources: dict[tuple[str, ...], str] = {}
+
+    def add_file(self, path: Path) -> None:
+        """Lay a YAML file over what is there."""
+        name = f"{path.parent.name}/{path.name}"
+        try:
+            content = _parse(path.read_text(encoding="utf-8"), name)
+        except (OSError, UnicodeDecodeError) as error:
+            raise UserError(f"{name}: cannot be read ({error})") from None
+        if not isinstance(content, dict):
+            raise UserError(f"{name}: must be a mapping of keys to values")
+        self._merge(self.values, content, name, ())
+
+    def add_override(self, override: str) -> None:
+        """Lay one value over what is there, written like "neat.elitism=3"."""
+        key, equals, value = override.partition("=")
+        path = key.strip().split(".")
+        if not (equals and all(path)):
+            raise UserError(
+                f'override "{override}": write it as key=value, like neat.elitism=3'
+            )
+        content = _parse(value, f"override {override}")
+        for part in reversed(path):
+            content = {part: content}
+        self._merge(self.values, content, "override", ())
+
+    def source(self, loc: tuple[str, ...]) -> str:
+        """Where the value at a path of keys came from: a file's name or an override."""
+        while loc and loc not in self._sources:
+            loc = loc[:-1]
+        return self._sources.get(loc, "configuration")
+
+    def _merge(
+        self,
+        below: dict[str, Any],
+        above: dict[str, Any],
+        source: str,
+        loc: tuple[str, ...],
+    ) -> None:
+        for key, value in above.items():
+            here = (*loc, str(key))
+            self._sources[here] = source
+            if isinstance(value, dict):
+                if not isinstance(below.get(here[-1]), dict):
+                    below[here[-1]] = {}
+                self._merge(below[here[-1]], value, source, here)
+            else:
+                below[here[-1]] = value
+
+
+def _parse(text: str, name: str) -> Any:
+    try:
+        return yaml.load(text, Loader=_Loader)  # a SafeLoader
+    except yaml.MarkedYAMLError as error:
+        line = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
+        raise UserError(f"{name}{line}: {error.problem}") from None
+    except yaml.YAMLError as error:
+        raise UserError(f"{name}: {str(error).splitlines()[0]}") from None

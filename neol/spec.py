@@ -1,0 +1,448 @@
+"""What a run is: every constant typed, validated and hashable.
+
+The types hold no values. `config/base.yaml` holds every constant with its source, a budget's file
+overlays it, and `key=value` overrides come last. `python -m neol.spec` writes `config/schema.json`,
+which editors check these files with.
+"""
+
+import difflib
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar, cast, get_args
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from neol.errors import UserError
+from neol.overlay import Overlay
+
+_PACKAGE = Path(__file__).resolve().parent
+# A wheel carries `config/` and `paper/reference/` inside the package; in a checkout they lie beside it.
+ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
+CONFIG = ROOT / "config"
+
+
+def _one_line(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
+    """Say what is allowed in one sentence where pydantic would list each member of the union."""
+    try:
+        return validate(value)
+    except ValidationError:
+        raise PydanticCustomError(
+            "weight_mutation", "must be 'off', 'config' or a probability from 0 to 1"
+        ) from None
+
+
+Item = TypeVar("Item")
+
+
+def _distinct(values: tuple[Item, ...]) -> tuple[Item, ...]:
+    if len(set(values)) < len(values):
+        raise PydanticCustomError("distinct", "must not name a value twice")
+    return values
+
+
+Probability = Annotated[float, Field(ge=0, le=1)]
+PositiveInt = Annotated[int, Field(ge=1)]
+NonNegativeInt = Annotated[int, Field(ge=0)]
+PositiveFloat = Annotated[float, Field(gt=0)]
+NonNegativeFloat = Annotated[float, Field(ge=0)]
+Population = Annotated[int, Field(ge=2)]
+Text = Annotated[str, Field(min_length=1)]
+Several = Annotated[
+    tuple[Item, ...],
+    Field(min_length=1, json_schema_extra={"uniqueItems": True}),
+    AfterValidator(_distinct),
+]
+
+Rule = Literal["none", "hebb", "oja", "bcm"]
+MethodName = Literal["neat", "neat_wo", "hebb", "oja", "bcm"]
+WeightMutation = Annotated[
+    Literal["off", "config"] | Probability, WrapValidator(_one_line)
+]
+
+
+class Model(BaseModel):
+    """Immutable, strict about types, without unknown keys and without infinities."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        use_attribute_docstrings=True,
+    )
+
+
+class Task(Model):
+    """A Gymnasium environment and how long an episode of it may be (Section 4.1)."""
+
+    name: Text
+    """Its key under `tasks`; never written in a file."""
+    environment: Text
+    """Gymnasium id."""
+    max_steps: PositiveInt
+    """T_max: an episode's limit in environment steps."""
+    fresh_world: bool
+    """Make a new environment for every episode, because its reset does not forget the episode before."""
+
+
+class Network(Model):
+    """The phenotype (Section 4.1, "Algorithm Protocol")."""
+
+    hidden_activation: Literal["tanh", "relu", "sigmoid", "identity"]
+    sum_limit: PositiveFloat
+    """A node's sum is clipped to +- this before its activation."""
+
+
+class PlasticityConstants(Model):
+    """What all rules share (Section A.3)."""
+
+    reward_scale: PositiveFloat
+    """beta."""
+    threshold_rate: Annotated[float, Field(gt=0, le=1)]
+    """alpha of BCM's sliding threshold."""
+    weight_limit: PositiveFloat
+    """A weight is clipped to +- this after every update."""
+    write_back: bool
+    """Write an episode's learned weights to the genome (Lamarckian inheritance)."""
+
+
+class Plasticity(PlasticityConstants):
+    """The plasticity of a run."""
+
+    rule: Rule
+    learning_rate: NonNegativeFloat
+    """eta."""
+
+
+class Evaluation(Model):
+    """How a genome gets its fitness (Algorithm 2), and the champion its held-out score."""
+
+    episodes: PositiveInt
+    """N: fitness is the mean return over N episodes."""
+    held_out_episodes: PositiveInt
+    """Fresh episodes that the champion is evaluated on."""
+    step_limit: PositiveInt | None
+    """A run ends after the generation that reaches this many environment steps; null for no limit."""
+
+
+class NeatConstants(Model):
+    """NEAT (Algorithms 3 and 4); rates are probabilities."""
+
+    weight_init_sd: NonNegativeFloat
+    weight_mutate_rate: Probability
+    weight_mutate_power: NonNegativeFloat
+    """Standard deviation of a perturbation."""
+    weight_replace_rate: Probability
+    weight_limit: PositiveFloat
+    bias_init_sd: NonNegativeFloat
+    bias_mutate_rate: Probability
+    bias_mutate_power: NonNegativeFloat
+    """Standard deviation of a perturbation."""
+    bias_replace_rate: Probability
+    bias_limit: PositiveFloat
+    enabled_mutate_rate: Probability
+    disable_rate: Probability
+    """A gene disabled in either parent is disabled in the child."""
+    add_connection_rate: Probability
+    """m_l."""
+    add_node_rate: Probability
+    """m_n."""
+    remove_connection_rate: Probability
+    remove_node_rate: Probability
+    crossover_rate: Probability
+    """p_c."""
+    survival_threshold: Annotated[float, Field(gt=0, le=1)]
+    """rho: the fraction of a species that may become parents."""
+    elitism: NonNegativeInt
+    """E: genomes of a species copied unchanged."""
+    min_species_size: PositiveInt
+    disjoint_coefficient: NonNegativeFloat
+    """c_1."""
+    weight_coefficient: NonNegativeFloat
+    """c_3."""
+    compatibility_threshold: PositiveFloat
+    """delta_t."""
+    distance_normaliser: Literal["matching", "larger_genome"]
+    """N of the distance."""
+    sharing: Literal["stanley", "literal"]
+    max_stagnation: PositiveInt
+    """G_stag: generations without a better best fitness."""
+    species_elitism: NonNegativeInt
+    """Species that never die of stagnation."""
+
+
+class Neat(NeatConstants):
+    """The NEAT of a run."""
+
+    weight_mutation: WeightMutation
+    """WM_MODE: off, config (the rates above) or a probability in place of weight_mutate_rate."""
+
+
+class Method(Model):
+    """What distinguishes NEAT, NEAT (w/o) and the three rules of NEOL."""
+
+    rule: Rule
+    weight_mutation: WeightMutation
+    """WM_MODE: off, config or a probability."""
+
+
+class RunSpec(Model):
+    """Everything that a run's trajectory is a function of."""
+
+    task: Task
+    method: MethodName
+    population: Population
+    """P."""
+    generations: PositiveInt
+    """G."""
+    seed: NonNegativeInt
+    network: Network
+    plasticity: Plasticity
+    evaluation: Evaluation
+    neat: Neat
+
+    @model_validator(mode="after")
+    def _agrees(self) -> "RunSpec":
+        if self.plasticity.rule == "none" and self.plasticity.learning_rate > 0:
+            raise PydanticCustomError("rate", "a learning rate needs a plasticity rule")
+        if self.neat.min_species_size > self.population:
+            raise PydanticCustomError(
+                "species",
+                "neat.min_species_size = {size}: must not exceed the population, {population}",
+                {"size": self.neat.min_species_size, "population": self.population},
+            )
+        return self
+
+    def digest(self) -> str:
+        """SHA-256 in hex of the specification as canonical JSON."""
+        return _sha256(self.model_dump(mode="json"))
+
+    def trajectory_key(self) -> str:
+        """The digest without `generations`: runs that share it are prefixes of each other."""
+        return _sha256(self.model_dump(mode="json", exclude={"generations"}))
+
+
+class Budget(Model):
+    """How much a campaign spends."""
+
+    name: Text
+    """The name of its file; never written in it."""
+    generations: PositiveInt
+    seeds: PositiveInt
+    """How many: a cell runs with seeds 0 to seeds - 1."""
+    populations: Several[Population]
+    learning_rates: Several[NonNegativeFloat]
+    """Grid of eta for the methods with a rule."""
+    tasks: Several[Text]
+    methods: Several[MethodName]
+    seeds_per_job: PositiveInt
+    """Runs of a cell that one job of the workflow makes."""
+
+
+class Configuration(Model):
+    """A budget's resolved configuration."""
+
+    tasks: dict[str, Task]
+    network: Network
+    plasticity: PlasticityConstants
+    evaluation: Evaluation
+    neat: NeatConstants
+    methods: dict[MethodName, Method]
+    budget: Budget
+
+    def run_spec(
+        self,
+        *,
+        task: str,
+        method: str,
+        population: int,
+        learning_rate: float | None,
+        generations: int,
+        seed: int,
+    ) -> RunSpec:
+        """The specification of one run.
+
+        `task` may be `gym:ID`; `learning_rate` is None for a method without a rule.
+
+        Raises UserError for whatever is not allowed.
+        """
+        if task not in self.tasks and not task.startswith("gym:"):
+            raise UserError(
+                f'unknown task "{task}"{_hint(task, [*self.tasks, "gym:ID"])}'
+            )
+        methods: dict[str, Method] = dict(self.methods)
+        if method not in methods:
+            raise UserError(f'unknown method "{method}"{_hint(method, methods)}')
+        chosen = methods[method]
+        if chosen.rule == "none" and learning_rate is not None:
+            raise UserError(
+                f"learning_rate = {learning_rate}: {method} does not learn online, leave the rate out"
+            )
+        if chosen.rule != "none" and learning_rate is None:
+            grid = ", ".join(f"{rate:g}" for rate in self.budget.learning_rates)
+            raise UserError(
+                f"{method} needs a learning rate (budget {self.budget.name} has {grid})"
+            )
+        try:
+            return RunSpec(
+                task=self.tasks.get(task)
+                or Task(name=task, **_gymnasium_constants(task)),
+                method=cast(MethodName, method),
+                population=population,
+                generations=generations,
+                seed=seed,
+                network=self.network,
+                plasticity=Plasticity(
+                    **self.plasticity.model_dump(),
+                    rule=chosen.rule,
+                    learning_rate=learning_rate or 0.0,
+                ),
+                evaluation=self.evaluation,
+                neat=Neat(
+                    **self.neat.model_dump(), weight_mutation=chosen.weight_mutation
+                ),
+            )
+        except ValidationError as error:
+            raise UserError(_explain(error)) from None
+
+
+def budgets() -> list[str]:
+    """The names of the budgets that `config/` has."""
+    return sorted(path.stem for path in CONFIG.glob("*.yaml") if path.stem != "base")
+
+
+def load_configuration(budget: str, overrides: Sequence[str] = ()) -> Configuration:
+    """config/base.yaml, overlaid by the budget's file, overlaid by overrides ("neat.elitism=3").
+
+    Raises UserError, in one line with file, key, value and what is allowed.
+    """
+    if budget not in budgets():
+        raise UserError(f'unknown budget "{budget}"{_hint(budget, budgets())}')
+    overlay = Overlay()
+    overlay.add_file(CONFIG / "base.yaml")
+    overlay.add_file(CONFIG / f"{budget}.yaml")
+    for override in overrides:
+        overlay.add_override(override)
+    _name(overlay, ("budget",), budget)
+    for task in (
+        overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ()
+    ):
+        _name(overlay, ("tasks", task), task)
+    try:
+        configuration = Configuration.model_validate_json(json.dumps(overlay.values))
+    except ValidationError as error:
+        raise UserError(_explain(error, overlay.source)) from None
+    for task in configuration.budget.tasks:
+        if task not in configuration.tasks:
+            source = overlay.source(("budget", "tasks"))
+            raise UserError(
+                f'{source}: budget.tasks: unknown task "{task}"{_hint(task, configuration.tasks)}'
+            )
+    return configuration
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema of a configuration file, which may hold any part of the whole."""
+    whole = Configuration.model_json_schema()
+    for part in (whole, *whole["$defs"].values()):
+        part.pop("required", None)
+    for named in ("Budget", "Task"):
+        del whole["$defs"][named]["properties"]["name"]
+    return whole
+
+
+def _name(overlay: Overlay, loc: tuple[str, ...], name: str) -> None:
+    """Give a task or budget its name, and a `gym:` task what Gymnasium knows of it."""
+    content = overlay.values
+    for key in loc:
+        content = content.get(key, {}) if isinstance(content, dict) else {}
+    if not isinstance(content, dict):
+        return  # the types say what is wrong with it
+    if "name" in content:
+        source = overlay.source((*loc, "name"))
+        raise UserError(
+            f"{source}: {'.'.join(loc)}.name: unknown key, it is called {name} already"
+        )
+    content["name"] = name
+    if name.startswith("gym:"):
+        for key, value in _gymnasium_constants(name).items():
+            content.setdefault(key, value)
+
+
+def _gymnasium_constants(task: str) -> dict[str, Any]:
+    """The constants of the task `gym:ID`: what Gymnasium's registry says of the environment."""
+    import gymnasium
+
+    environment = task.removeprefix("gym:")
+    try:
+        registered = gymnasium.spec(environment)
+    except (gymnasium.error.Error, ModuleNotFoundError) as error:
+        raise UserError(f'task "{task}": {" ".join(str(error).split())}') from None
+    return {
+        "environment": environment,
+        "max_steps": registered.max_episode_steps or 1000,
+        "fresh_world": True,
+    }
+
+
+def _explain(
+    error: ValidationError, source: Callable[[tuple[str, ...]], str] | None = None
+) -> str:
+    """One line for the first of pydantic's errors, an unknown key before what it left missing."""
+    first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
+    loc = tuple(str(part) for part in first["loc"] if part != "[key]")
+    key = ".".join(loc)
+    where = f"{source(loc)}: " if source else ""
+    if first["type"] == "extra_forbidden":
+        return f"{where}{key}: unknown key{_hint(loc[-1], _keys(loc[:-1]))}"
+    if first["type"] == "missing":
+        return f"{where}{key}: is missing"
+    problem = first["msg"].replace("Input should be", "must be")
+    problem = problem.replace("an object", "a mapping of keys to values")
+    return (
+        f"{where}{key} = {first['input']!r}: {problem}" if key else f"{where}{problem}"
+    )
+
+
+def _keys(loc: tuple[str, ...]) -> list[str]:
+    """The keys that the types allow at a place of the configuration."""
+    place: Any = Configuration
+    for key in loc:
+        place = (
+            place.model_fields[key].annotation
+            if isinstance(place, type) and issubclass(place, Model)
+            else get_args(place)[1]
+        )
+    return [key for key in place.model_fields if key != "name"]
+
+
+def _hint(word: str, allowed: Iterable[str]) -> str:
+    """What was perhaps meant, and all that is allowed."""
+    allowed = list(allowed)
+    near = difflib.get_close_matches(word, allowed, n=1)
+    return (
+        f', did you mean "{near[0]}"?' if near else ""
+    ) + f" (allowed: {', '.join(allowed)})"
+
+
+def _sha256(content: Any) -> str:
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+if __name__ == "__main__":
+    (CONFIG / "schema.json").write_text(
+        json.dumps(schema(), indent=2) + "\n", encoding="utf-8"
+    )
