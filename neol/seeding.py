@@ -34,7 +34,10 @@ def episode_seeds(
     """
     return np.array(
         [
-            [_word(seed, Stream.EPISODE, generation, genome, episode) for episode in range(episodes)]
+            [
+                _word(seed, Stream.EPISODE, generation, genome, episode)
+                for episode in range(episodes)
+            ]
             for genome in range(population)
         ],
         dtype=np.uint64,

@@ -1,0 +1,198 @@
+"""Evolution: the generation loop of the paper's Algorithm 1, one generation at a time."""
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from neol.neat.genome import Genome, decode, encode_weights
+from neol.neat.reproduction import Reproduction
+from neol.neat.species import SpeciesSet, speciate
+from neol.network import Networks
+from neol.rollout.engine import Engine, Rollouts
+from neol.seeding import Stream, episode_seeds, generator, held_out_seeds
+from neol.spec import RunSpec
+
+
+@dataclass(frozen=True, slots=True)
+class Generation:
+    """What one generation came to: a row of a record."""
+
+    generation: int
+    """From 1."""
+    best_fitness: float
+    """Highest fitness of the population; fitness is the mean return over N episodes."""
+    mean_fitness: float
+    """Mean fitness of the population."""
+    sd_fitness: float
+    """Standard deviation of the fitness over the population (ddof = 0)."""
+    evaluations: int
+    """Genomes evaluated so far in the run."""
+    env_steps: int
+    """Environment steps taken so far in the run; held-out episodes do not count."""
+    species: int
+    """Number of species."""
+    nodes_mean: float
+    """Mean number of hidden and output nodes of a genome."""
+    connections_mean: float
+    """Mean number of enabled connections of a genome."""
+    nodes_best: int
+    """Hidden and output nodes of the best genome."""
+    connections_best: int
+    """Enabled connections of the best genome."""
+    weight_change_mean: float
+    """Mean |w after - w before| of an evaluation, over all connections of the population."""
+    failed_evaluations: int
+    """Evaluations so far in which an observation, reward or weight was not finite."""
+
+
+@dataclass(slots=True)
+class Evolution:
+    """A run in progress. Its whole trajectory is a function of its spec.
+
+    Between two steps the state is: an evaluated and speciated population, the counters, and the
+    history. A step reproduces (but for the first), evaluates and speciates.
+    """
+
+    spec: RunSpec
+    reproduction: Reproduction
+    population: list[Genome] = field(default_factory=list)
+    species_set: SpeciesSet = field(default_factory=SpeciesSet)
+    history: list[Generation] = field(default_factory=list)
+    digest: str = ""
+    """Hex digest of the trajectory so far: each generation's networks, returns and steps."""
+
+    @classmethod
+    def begin(cls, spec: RunSpec, inputs: int, outputs: int) -> "Evolution":
+        """A run before its first generation, for a task with so many inputs and outputs."""
+        return cls(spec, Reproduction(inputs, outputs, spec.neat), digest=spec.trajectory_key())
+
+    @property
+    def generation(self) -> int:
+        """Generations completed."""
+        return len(self.history)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the generations, or the optional budget of environment steps, are used up."""
+        limit = self.spec.evaluation.step_limit
+        used_up = limit is not None and bool(self.history) and self.history[-1].env_steps >= limit
+        return self.generation >= self.spec.generations or used_up
+
+    def run(self, engine: Engine) -> Iterator[Generation]:
+        """Go on to the end, generation by generation (Algorithm 1, lines 2-5)."""
+        while not self.finished:
+            yield self.step(engine)
+
+    def step(self, engine: Engine) -> Generation:
+        """One generation: reproduce, evaluate, speciate."""
+        number = self.generation + 1
+        self.population = self._next_population(number)
+        networks, gene = self._decode(self.population)
+        seeds = episode_seeds(
+            self.spec.seed, number, len(self.population), self.spec.evaluation.episodes
+        )
+        rollouts = engine.evaluate(networks, seeds, self.spec.plasticity)
+        fitness = finite_fitness(rollouts)
+        for genome, value in zip(self.population, fitness, strict=True):
+            genome.fitness = float(value)
+        if self.spec.plasticity.write_back:
+            learned = keep_inherited_where_failed(networks, rollouts)
+            encode_weights(self.population, networks, gene, learned)
+        speciate(self.population, self.species_set, self.spec.neat)
+        self.digest = _chain(self.digest, networks, rollouts)
+        self.history.append(self._statistics(number, networks, rollouts))
+        return self.history[-1]
+
+    def champion(self) -> Genome:
+        """A copy of the final population's best genome, the first of equals (Algorithm 1, line 6)."""
+        best = max(self.population, key=lambda genome: (genome.fitness, -genome.id))
+        champion = best.copy(best.id)
+        champion.fitness = best.fitness
+        return champion
+
+    def held_out_returns(self, engine: Engine) -> npt.NDArray[np.float64]:
+        """The champion's returns in fresh episodes, plastic as in training: float64[episodes].
+
+        Each episode starts from the champion's own weights, so each is a function of its seed.
+        """
+        seeds = held_out_seeds(self.spec.seed, self.spec.evaluation.held_out_episodes)
+        networks, _ = self._decode([self.champion()] * seeds.size)
+        returns: npt.NDArray[np.float64] = engine.evaluate(
+            networks, seeds.reshape(-1, 1), self.spec.plasticity
+        ).returns[:, 0]
+        return returns
+
+    def _next_population(self, number: int) -> list[Genome]:
+        seed, size = self.spec.seed, self.spec.population
+        if number == 1:
+            return self.reproduction.initial_population(size, generator(seed, Stream.INITIAL))
+        random = generator(seed, Stream.REPRODUCTION, number)
+        return self.reproduction.reproduce(self.species_set, size, random)
+
+    def _decode(self, genomes: list[Genome]) -> tuple[Networks, npt.NDArray[np.int64]]:
+        inputs, outputs = self.reproduction.inputs, self.reproduction.outputs
+        return decode(genomes, inputs, outputs, self.spec.network)
+
+    def _statistics(self, number: int, networks: Networks, rollouts: Rollouts) -> Generation:
+        fitness = np.array([genome.fitness for genome in self.population])
+        best = int(np.argmax(fitness))
+        nodes = np.diff(networks.node_offset)
+        connections = np.diff(networks.edge_bounds)
+        change = np.abs(keep_inherited_where_failed(networks, rollouts) - networks.weight)
+        before = self.history[-1] if self.history else None
+        return Generation(
+            generation=number,
+            best_fitness=float(fitness[best]),
+            mean_fitness=float(fitness.mean()),
+            sd_fitness=float(fitness.std()),
+            evaluations=len(fitness) + (before.evaluations if before else 0),
+            env_steps=int(rollouts.steps.sum()) + (before.env_steps if before else 0),
+            species=len(self.species_set.species),
+            nodes_mean=float(nodes.mean()),
+            connections_mean=float(connections.mean()),
+            nodes_best=int(nodes[best]),
+            connections_best=int(connections[best]),
+            weight_change_mean=float(change.mean()) if len(change) else 0.0,
+            failed_evaluations=int(rollouts.failed.sum())
+            + (before.failed_evaluations if before else 0),
+        )
+
+
+COLUMNS = tuple(column.name for column in fields(Generation))
+
+
+def finite_fitness(rollouts: Rollouts) -> npt.NDArray[np.float64]:
+    """Mean return of each network (Algorithm 2, line 16), float64[P].
+
+    A failed evaluation gets the lowest fitness that another one of its generation came to, or 0
+    where all failed: the worst, but no outlier that would decide how species share.
+    """
+    fitness: npt.NDArray[np.float64] = rollouts.returns.mean(axis=1)
+    lowest = fitness[~rollouts.failed].min() if not rollouts.failed.all() else 0.0
+    return np.where(rollouts.failed, lowest, fitness)
+
+
+def keep_inherited_where_failed(networks: Networks, rollouts: Rollouts) -> npt.NDArray[np.float64]:
+    """The learned weights, float64[E], but for failed networks those that they began with."""
+    failed = np.repeat(rollouts.failed, np.diff(networks.edge_bounds))
+    return np.where(failed, networks.weight, rollouts.weight)
+
+
+def _chain(digest: str, networks: Networks, rollouts: Rollouts) -> str:
+    """The trajectory's digest after one more generation."""
+    chain = hashlib.sha256(digest.encode())
+    for array in (
+        networks.node_offset,
+        networks.bias,
+        networks.edge_offset,
+        networks.source,
+        networks.weight,
+        rollouts.returns,
+        rollouts.steps,
+        rollouts.weight,
+    ):
+        chain.update(np.ascontiguousarray(array).data)
+    return chain.hexdigest()

@@ -1,0 +1,36 @@
+"""Rollouts: networks play episodes of a task and learn in them. Knows networks, not genomes."""
+
+from functools import partial
+from typing import Literal
+
+from neol.errors import UserError
+from neol.rollout.engine import Engine, Rollouts
+from neol.spec import Task
+
+EngineChoice = Literal["auto", "fast", "reference"]
+
+__all__ = ["Engine", "EngineChoice", "Rollouts", "make_engine"]
+
+
+def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> Engine:
+    """The engine that plays a task's episodes, spread over so many workers.
+
+    `fast` is compiled and exists for the paper's tasks, `reference` runs any environment, `auto`
+    takes the fast one where it can. All return the same bits.
+    Raises UserError where `fast` is asked for and cannot be had, or the environment is unknown.
+    """
+    from neol.rollout.parallel import ProcessEngine, ThreadedEngine
+    from neol.rollout.reference import ReferenceEngine
+
+    if choice != "reference":
+        from neol.rollout.fast import fast_engine
+
+        engine = fast_engine(task)
+        if isinstance(engine, Engine):
+            return engine if workers == 1 else ThreadedEngine(engine, workers)
+        if choice == "fast":
+            raise UserError(f"no fast engine for {task.environment}: {engine}; use --engine auto")
+    if workers == 1:
+        return ReferenceEngine(task)
+    ReferenceEngine(task).close()  # an impossible task is said here, not in a worker
+    return ProcessEngine(partial(ReferenceEngine, task), ReferenceEngine.name, workers)

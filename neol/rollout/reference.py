@@ -1,0 +1,162 @@
+"""The reference engine: Gymnasium's own environments in a plain loop. It defines the truth.
+
+It runs any environment with a flat Box observation and a Discrete or Box action.
+"""
+
+import math
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from neol.errors import UserError
+from neol.network import ACTIVATIONS, Networks, forward
+from neol.plasticity import RULES, learn
+from neol.rollout.engine import Rollouts
+from neol.spec import Plasticity, Task
+
+
+def make_environment(task: Task) -> gymnasium.Env[Any, Any]:
+    """A new Gymnasium environment of a task, limited to the task's steps.
+
+    Raises UserError where the id is unknown or the spaces are not a network's.
+    """
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*out of date.*", category=DeprecationWarning)
+        try:
+            environment = gymnasium.make(
+                task.environment, max_episode_steps=task.max_steps, disable_env_checker=True
+            )
+        except (gymnasium.error.Error, ModuleNotFoundError) as error:
+            reason = str(error).strip().splitlines()[0]
+            raise UserError(
+                f"task {task.name}: no environment {task.environment}: {reason}"
+            ) from None
+    observation, action = environment.observation_space, environment.action_space
+    if not (isinstance(observation, gymnasium.spaces.Box) and len(observation.shape) == 1):
+        raise UserError(
+            f"task {task.name}: {task.environment} observes {observation}; "
+            "a network needs a flat Box (one dimension)"
+        )
+    flat_box = isinstance(action, gymnasium.spaces.Box) and len(action.shape) == 1
+    if not (flat_box or isinstance(action, gymnasium.spaces.Discrete)):
+        raise UserError(
+            f"task {task.name}: {task.environment} acts by {action}; "
+            "a network needs a Discrete or a flat Box action"
+        )
+    return environment
+
+
+def network_size(task: Task) -> tuple[int, int]:
+    """The numbers of inputs and outputs that a task's networks have."""
+    environment = make_environment(task)
+    observation, action = environment.observation_space, environment.action_space
+    environment.close()
+    assert observation.shape is not None
+    if isinstance(action, gymnasium.spaces.Discrete):
+        return observation.shape[0], int(action.n)
+    assert action.shape is not None
+    return observation.shape[0], action.shape[0]
+
+
+class ReferenceEngine:
+    """Steps Gymnasium's own environment; an episode is a function of seed and network alone."""
+
+    name = "reference"
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        self._environment = make_environment(task)
+
+    def evaluate(
+        self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
+    ) -> Rollouts:
+        population, episodes = seeds.shape
+        rollouts = Rollouts(
+            returns=np.full((population, episodes), np.nan),
+            steps=np.zeros((population, episodes), dtype=np.int64),
+            weight=networks.weight.copy(),
+            threshold=np.zeros_like(networks.bias),
+            failed=np.zeros(population, dtype=np.bool_),
+        )
+        for genome in range(population):
+            edges = slice(*networks.edge_bounds[genome : genome + 2])
+            nodes = slice(*networks.node_offset[genome : genome + 2])
+            for episode in range(episodes):
+                if not plasticity.write_back:
+                    rollouts.weight[edges] = networks.weight[edges]
+                rollouts.threshold[nodes] = 0.0
+                seed = int(seeds[genome, episode])
+                total, steps = self._episode(networks, genome, seed, plasticity, rollouts)
+                rollouts.returns[genome, episode] = total
+                rollouts.steps[genome, episode] = steps
+                if math.isnan(total):
+                    rollouts.failed[genome] = True
+                    break
+        return rollouts
+
+    def _episode(
+        self, networks: Networks, genome: int, seed: int, plasticity: Plasticity, rollouts: Rollouts
+    ) -> tuple[float, int]:
+        """One episode (Algorithm 2, lines 3-14): its return, NaN if it failed, and its steps."""
+        first, last = networks.node_offset[genome : genome + 2]
+        values = np.empty(networks.inputs + last - first)
+        rate = plasticity.learning_rate * plasticity.reward_scale
+        if self._task.fresh_world:
+            self._environment.close()
+            self._environment = make_environment(self._task)
+        observation, _ = self._environment.reset(seed=seed)
+        total, steps, done = 0.0, 0, False
+        while not done:
+            if not np.isfinite(observation).all():
+                return math.nan, steps
+            values[: networks.inputs] = observation
+            forward(
+                first,
+                last,
+                networks.bias,
+                networks.edge_offset,
+                networks.source,
+                rollouts.weight,
+                networks.inputs,
+                networks.outputs,
+                networks.activation,
+                networks.sum_limit,
+                values,
+            )
+            action = self._action(values[-networks.outputs :])
+            observation, reward, terminated, truncated, _ = self._environment.step(action)
+            reward = float(reward)
+            total += reward
+            steps += 1
+            done = terminated or truncated
+            finite = learn(
+                first,
+                last,
+                networks.edge_offset,
+                networks.source,
+                rollouts.weight,
+                rollouts.threshold,
+                networks.inputs,
+                RULES[plasticity.rule],
+                rate * reward,
+                plasticity.threshold_rate,
+                plasticity.weight_limit,
+                values,
+            )
+            if not (math.isfinite(reward) and finite):
+                return math.nan, steps
+        return total, steps
+
+    def _action(self, outputs: npt.NDArray[np.float64]) -> Any:
+        """Argmax for discrete actions, else outputs clipped to the action's bounds (Section 4.1)."""
+        space = self._environment.action_space
+        if isinstance(space, gymnasium.spaces.Discrete):
+            return int(space.start) + int(np.argmax(outputs))
+        assert isinstance(space, gymnasium.spaces.Box)
+        return np.clip(outputs, space.low, space.high).astype(space.dtype)
+
+    def close(self) -> None:
+        self._environment.close()

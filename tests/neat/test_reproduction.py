@@ -1,0 +1,110 @@
+"""Offspring counts, elites and parents."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from neol.neat.reproduction import Reproduction, spawn_counts
+from neol.neat.species import SpeciesSet, speciate
+from tests.neat.genomes import INPUTS, OUTPUTS, assert_sound, neat_constants
+
+
+@given(
+    adjusted=st.lists(st.floats(0, 1e6), min_size=1, max_size=40),
+    size=st.integers(2, 300),
+    minimum=st.integers(1, 4),
+    elitism=st.integers(0, 4),
+)
+def test_spawn_counts_sum_to_the_population_size(
+    adjusted: list[float], size: int, minimum: int, elitism: int
+) -> None:
+    neat = neat_constants(min_species_size=minimum, elitism=elitism)
+    spawn = spawn_counts(np.array(adjusted), size, neat)
+    assert spawn.sum() == size
+    least = max(minimum, elitism)
+    if least * len(adjusted) <= size:
+        assert (spawn >= least).all()
+    assert (spawn >= 0).all()
+
+
+@pytest.mark.parametrize(
+    ("adjusted", "size", "expected"),
+    [
+        ([3.0, 1.0], 8, [6, 2]),
+        ([0.0, 0.0], 8, [4, 4]),
+        ([1.0, 1.0, 1.0], 10, [4, 3, 3]),
+        ([100.0, 0.0, 0.0], 10, [6, 2, 2]),
+        ([5.0, 1.0, 2.0], 5, [3, 0, 2]),
+        ([5.0, 1.0], 3, [3, 0]),
+    ],
+)
+def test_spawn_counts_by_hand(adjusted: list[float], size: int, expected: list[int]) -> None:
+    neat = neat_constants(min_species_size=2, elitism=2)
+    assert spawn_counts(np.array(adjusted), size, neat).tolist() == expected
+
+
+def evolve(generations: int, size: int = 30, **changes: object) -> tuple[SpeciesSet, Reproduction]:
+    """A few generations on a fitness that is just the sum of weights."""
+    neat = neat_constants(**changes)
+    reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
+    population = reproduction.initial_population(size, np.random.default_rng(0))
+    for generation in range(generations):
+        for genome in population:
+            genome.fitness = float(genome.connections["weight"].sum())
+        speciate(population, species_set, neat)
+        population = reproduction.reproduce(species_set, size, np.random.default_rng(generation))
+        assert len(population) == size
+        for genome in population:
+            assert_sound(genome)
+    ids = [genome.id for genome in population]
+    assert len(set(ids)) == len(ids)
+    return species_set, reproduction
+
+
+@pytest.mark.parametrize("size", [2, 3, 30])
+def test_populations_keep_their_size_and_soundness(size: int) -> None:
+    evolve(12, size, compatibility_threshold=1.0, add_node_rate=0.5)
+
+
+def test_elites_are_copied_unchanged() -> None:
+    neat = neat_constants(elitism=2)
+    reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
+    population = reproduction.initial_population(20, np.random.default_rng(0))
+    for genome in population:
+        genome.fitness = float(genome.id)
+    speciate(population, species_set, neat)
+    best = [s.members[:2] for s in species_set.species]
+    children = reproduction.reproduce(species_set, 20, np.random.default_rng(1))
+    for elites in best:
+        for elite in elites:
+            assert any(
+                child.connections.tolist() == elite.connections.tolist()
+                and child.nodes.tolist() == elite.nodes.tolist()
+                for child in children
+            )
+
+
+def test_only_survivors_become_parents() -> None:
+    """With all mutation off, children carry only weights of the best fifth."""
+    neat = neat_constants(
+        compatibility_threshold=1e9,
+        weight_mutation="off",
+        add_connection_rate=0.0,
+        add_node_rate=0.0,
+        survival_threshold=0.2,
+    )
+    reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
+    population = reproduction.initial_population(20, np.random.default_rng(0))
+    for genome in population:
+        genome.fitness = float(genome.id)
+    speciate(population, species_set, neat)
+    children = reproduction.reproduce(species_set, 20, np.random.default_rng(1))
+    allowed = {w for genome in population[-4:] for w in genome.connections["weight"]}
+    assert {w for child in children for w in child.connections["weight"]} <= allowed
+
+
+def test_numbers_only_grow() -> None:
+    _, reproduction = evolve(5)
+    assert reproduction.next_genome == 30 * 6
+    assert reproduction.innovations.next_innovation >= INPUTS * OUTPUTS
