@@ -57,20 +57,14 @@ def cells(configuration: Configuration) -> list[Cell]:
         for method in budget.methods
         for population in budget.populations
         for rate in (
-            [None]
-            if configuration.methods[method].rule == "none"
-            else budget.learning_rates
+            [None] if configuration.methods[method].rule == "none" else budget.learning_rates
         )
     ]
 
 
 def blocks(configuration: Configuration) -> list[Block]:
     """The budget's jobs, in the order of its cells and seeds."""
-    return [
-        block
-        for cell in cells(configuration)
-        for block in _split(configuration.budget, cell)
-    ]
+    return [block for cell in cells(configuration) for block in _split(configuration.budget, cell)]
 
 
 def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
@@ -89,9 +83,7 @@ def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
     ]
 
 
-def paper_cells(
-    configuration: Configuration, table: int
-) -> dict[tuple[str, str], Cell]:
+def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str], Cell]:
     """The configurations of the paper's Table 3 or 4 that the budget has, by task and method."""
     available = set(cells(configuration))
     with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:

@@ -14,9 +14,7 @@ class _Loader(yaml.SafeLoader):
 
     yaml_implicit_resolvers = {}  # noqa: RUF012  # filled below through PyYAML's own interface
 
-    def construct_mapping(
-        self, node: yaml.MappingNode, deep: bool = False
-    ) -> dict[Any, Any]:
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
         for index, key in enumerate(keys):
             if key.value in [earlier.value for earlier in keys[:index]]:
@@ -63,6 +61,7 @@ class Overlay:
             raise UserError(f"{name}: cannot be read ({error})") from None
         if not isinstance(content, dict):
             raise UserError(f"{name}: must be a mapping of keys to values")
+        self._sources[()] = name  # whoever leaves a key out, the last file is the place to mend it
         self._merge(self.values, content, name, ())
 
     def add_override(self, override: str) -> None:
@@ -70,9 +69,7 @@ class Overlay:
         key, equals, value = override.partition("=")
         path = key.strip().split(".")
         if not (equals and all(path)):
-            raise UserError(
-                f'override "{override}": write it as key=value, like neat.elitism=3'
-            )
+            raise UserError(f'override "{override}": write it as key=value, like neat.elitism=3')
         content = _parse(value, f"override {override}")
         for part in reversed(path):
             content = {part: content}
@@ -82,7 +79,7 @@ class Overlay:
         """Where the value at a path of keys came from: a file's name or an override."""
         while loc and loc not in self._sources:
             loc = loc[:-1]
-        return self._sources.get(loc, "configuration")
+        return self._sources[loc]
 
     def _merge(
         self,

@@ -5,12 +5,11 @@ overlays it, and `key=value` overrides come last. `python -m neol.spec` writes `
 which editors check these files with.
 """
 
-import difflib
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, cast, get_args
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -24,17 +23,18 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from neol.complaint import hint, one_line
 from neol.errors import UserError
 from neol.overlay import Overlay
 
 _PACKAGE = Path(__file__).resolve().parent
-# A wheel carries `config/` and `paper/reference/` inside the package; in a checkout they lie beside it.
+# A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
 ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
 
 
-def _one_line(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
-    """Say what is allowed in one sentence where pydantic would list each member of the union."""
+def _in_one_sentence(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
+    """Say what is allowed where pydantic would report on each member of the union."""
     try:
         return validate(value)
     except ValidationError:
@@ -67,9 +67,7 @@ Several = Annotated[
 
 Rule = Literal["none", "hebb", "oja", "bcm"]
 MethodName = Literal["neat", "neat_wo", "hebb", "oja", "bcm"]
-WeightMutation = Annotated[
-    Literal["off", "config"] | Probability, WrapValidator(_one_line)
-]
+WeightMutation = Annotated[Literal["off", "config"] | Probability, WrapValidator(_in_one_sentence)]
 
 
 class Model(BaseModel):
@@ -94,7 +92,7 @@ class Task(Model):
     max_steps: PositiveInt
     """T_max: an episode's limit in environment steps."""
     fresh_world: bool
-    """Make a new environment for every episode, because its reset does not forget the episode before."""
+    """Make a new environment for every episode: its reset does not forget the one before."""
 
 
 class Network(Model):
@@ -134,7 +132,7 @@ class Evaluation(Model):
     held_out_episodes: PositiveInt
     """Fresh episodes that the champion is evaluated on."""
     step_limit: PositiveInt | None
-    """A run ends after the generation that reaches this many environment steps; null for no limit."""
+    """A run ends with the generation that reaches this many environment steps; null: no limit."""
 
 
 class NeatConstants(Model):
@@ -279,16 +277,13 @@ class Configuration(Model):
         Raises UserError for whatever is not allowed.
         """
         if task not in self.tasks and not task.startswith("gym:"):
-            raise UserError(
-                f'unknown task "{task}"{_hint(task, [*self.tasks, "gym:ID"])}'
-            )
-        methods: dict[str, Method] = dict(self.methods)
-        if method not in methods:
-            raise UserError(f'unknown method "{method}"{_hint(method, methods)}')
-        chosen = methods[method]
+            raise UserError(f'unknown task "{task}"{hint(task, [*self.tasks, "gym:ID"])}')
+        if method not in self.methods:
+            raise UserError(f'unknown method "{method}"{hint(method, self.methods)}')
+        chosen = self.methods[method]
         if chosen.rule == "none" and learning_rate is not None:
             raise UserError(
-                f"learning_rate = {learning_rate}: {method} does not learn online, leave the rate out"
+                f"learning_rate = {learning_rate}: {method} does not learn online, leave it out"
             )
         if chosen.rule != "none" and learning_rate is None:
             grid = ", ".join(f"{rate:g}" for rate in self.budget.learning_rates)
@@ -297,9 +292,8 @@ class Configuration(Model):
             )
         try:
             return RunSpec(
-                task=self.tasks.get(task)
-                or Task(name=task, **_gymnasium_constants(task)),
-                method=cast(MethodName, method),
+                task=self.tasks.get(task) or Task(name=task, **_gymnasium_constants(task)),
+                method=method,
                 population=population,
                 generations=generations,
                 seed=seed,
@@ -310,12 +304,10 @@ class Configuration(Model):
                     learning_rate=learning_rate or 0.0,
                 ),
                 evaluation=self.evaluation,
-                neat=Neat(
-                    **self.neat.model_dump(), weight_mutation=chosen.weight_mutation
-                ),
+                neat=Neat(**self.neat.model_dump(), weight_mutation=chosen.weight_mutation),
             )
         except ValidationError as error:
-            raise UserError(_explain(error)) from None
+            raise UserError(one_line(error, RunSpec)) from None
 
 
 def budgets() -> list[str]:
@@ -329,26 +321,24 @@ def load_configuration(budget: str, overrides: Sequence[str] = ()) -> Configurat
     Raises UserError, in one line with file, key, value and what is allowed.
     """
     if budget not in budgets():
-        raise UserError(f'unknown budget "{budget}"{_hint(budget, budgets())}')
+        raise UserError(f'unknown budget "{budget}"{hint(budget, budgets())}')
     overlay = Overlay()
     overlay.add_file(CONFIG / "base.yaml")
     overlay.add_file(CONFIG / f"{budget}.yaml")
     for override in overrides:
         overlay.add_override(override)
     _name(overlay, ("budget",), budget)
-    for task in (
-        overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ()
-    ):
+    for task in overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ():
         _name(overlay, ("tasks", task), task)
     try:
         configuration = Configuration.model_validate_json(json.dumps(overlay.values))
     except ValidationError as error:
-        raise UserError(_explain(error, overlay.source)) from None
+        raise UserError(one_line(error, Configuration, overlay.source)) from None
     for task in configuration.budget.tasks:
         if task not in configuration.tasks:
             source = overlay.source(("budget", "tasks"))
             raise UserError(
-                f'{source}: budget.tasks: unknown task "{task}"{_hint(task, configuration.tasks)}'
+                f'{source}: budget.tasks: unknown task "{task}"{hint(task, configuration.tasks)}'
             )
     return configuration
 
@@ -372,9 +362,7 @@ def _name(overlay: Overlay, loc: tuple[str, ...], name: str) -> None:
         return  # the types say what is wrong with it
     if "name" in content:
         source = overlay.source((*loc, "name"))
-        raise UserError(
-            f"{source}: {'.'.join(loc)}.name: unknown key, it is called {name} already"
-        )
+        raise UserError(f"{source}: {'.'.join(loc)}.name: unknown key, it is called {name} already")
     content["name"] = name
     if name.startswith("gym:"):
         for key, value in _gymnasium_constants(name).items():
@@ -390,51 +378,10 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
         registered = gymnasium.spec(environment)
     except (gymnasium.error.Error, ModuleNotFoundError) as error:
         raise UserError(f'task "{task}": {" ".join(str(error).split())}') from None
-    return {
-        "environment": environment,
-        "max_steps": registered.max_episode_steps or 1000,
-        "fresh_world": True,
-    }
-
-
-def _explain(
-    error: ValidationError, source: Callable[[tuple[str, ...]], str] | None = None
-) -> str:
-    """One line for the first of pydantic's errors, an unknown key before what it left missing."""
-    first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
-    loc = tuple(str(part) for part in first["loc"] if part != "[key]")
-    key = ".".join(loc)
-    where = f"{source(loc)}: " if source else ""
-    if first["type"] == "extra_forbidden":
-        return f"{where}{key}: unknown key{_hint(loc[-1], _keys(loc[:-1]))}"
-    if first["type"] == "missing":
-        return f"{where}{key}: is missing"
-    problem = first["msg"].replace("Input should be", "must be")
-    problem = problem.replace("an object", "a mapping of keys to values")
-    return (
-        f"{where}{key} = {first['input']!r}: {problem}" if key else f"{where}{problem}"
-    )
-
-
-def _keys(loc: tuple[str, ...]) -> list[str]:
-    """The keys that the types allow at a place of the configuration."""
-    place: Any = Configuration
-    for key in loc:
-        place = (
-            place.model_fields[key].annotation
-            if isinstance(place, type) and issubclass(place, Model)
-            else get_args(place)[1]
-        )
-    return [key for key in place.model_fields if key != "name"]
-
-
-def _hint(word: str, allowed: Iterable[str]) -> str:
-    """What was perhaps meant, and all that is allowed."""
-    allowed = list(allowed)
-    near = difflib.get_close_matches(word, allowed, n=1)
-    return (
-        f', did you mean "{near[0]}"?' if near else ""
-    ) + f" (allowed: {', '.join(allowed)})"
+    constants = {"environment": environment, "fresh_world": True}
+    if registered.max_episode_steps is not None:
+        constants["max_steps"] = registered.max_episode_steps
+    return constants
 
 
 def _sha256(content: Any) -> str:
@@ -443,6 +390,4 @@ def _sha256(content: Any) -> str:
 
 
 if __name__ == "__main__":
-    (CONFIG / "schema.json").write_text(
-        json.dumps(schema(), indent=2) + "\n", encoding="utf-8"
-    )
+    (CONFIG / "schema.json").write_text(json.dumps(schema(), indent=2) + "\n", encoding="utf-8")

@@ -1,0 +1,54 @@
+"""What pydantic found wrong, in one line for the user."""
+
+import difflib
+from collections.abc import Callable, Iterable
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+_PLAIN_WORDS = {
+    "Input should be": "must be",
+    "Tuple should have at least 1 item after validation, not 0": "must not be empty",
+    "an object": "a mapping of keys to values",
+    "a valid array": "a list",
+}
+
+
+def one_line(
+    error: ValidationError,
+    root: type[BaseModel],
+    source: Callable[[tuple[str, ...]], str] | None = None,
+) -> str:
+    """The first of the errors, an unknown key before what it left missing.
+
+    `source` tells where the value at a path of keys came from.
+    """
+    first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
+    loc = tuple(str(part) for part in first["loc"] if part != "[key]")
+    key = ".".join(loc)
+    where = f"{source(loc)}: " if source else ""
+    if first["type"] == "extra_forbidden":
+        return f"{where}{key}: unknown key{hint(loc[-1], _keys(root, loc[:-1]))}"
+    if first["type"] == "missing":
+        return f"{where}{key}: is missing"
+    problem = first["msg"]
+    for pydantics, plain in _PLAIN_WORDS.items():
+        problem = problem.replace(pydantics, plain)
+    return f"{where}{key} = {first['input']!r}: {problem}" if key else f"{where}{problem}"
+
+
+def _keys(root: type[BaseModel], loc: tuple[str, ...]) -> list[str]:
+    """The keys that the types allow at a place."""
+    place: Any = root
+    for key in loc:
+        is_model = isinstance(place, type) and issubclass(place, BaseModel)
+        place = place.model_fields[key].annotation if is_model else get_args(place)[1]
+    return [key for key in place.model_fields if key != "name"]
+
+
+def hint(word: str, allowed: Iterable[str]) -> str:
+    """What was perhaps meant, and all that is allowed."""
+    allowed = list(allowed)
+    near = difflib.get_close_matches(word, allowed, n=1)
+    meant = f', did you mean "{near[0]}"?' if near else ""
+    return f"{meant} (allowed: {', '.join(allowed)})"
