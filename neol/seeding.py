@@ -9,6 +9,8 @@ from enum import IntEnum
 import numpy as np
 import numpy.typing as npt
 
+from neol.seed_sequence import spawned_words
+
 
 class Stream(IntEnum):
     """What a random stream is for: the first entry of its spawn key."""
@@ -21,7 +23,8 @@ class Stream(IntEnum):
 
 def generator(seed: int, stream: Stream, *key: int) -> np.random.Generator:
     """The random generator of one stream, for instance of one generation's reproduction."""
-    return np.random.Generator(np.random.PCG64(_sequence(seed, stream, *key)))
+    sequence = np.random.SeedSequence(seed, spawn_key=(int(stream), *key))
+    return np.random.Generator(np.random.PCG64(sequence))
 
 
 def episode_seeds(
@@ -32,16 +35,12 @@ def episode_seeds(
     They depend on the run's seed, the generation, the genome's place in the population and the
     episode, not on the method: all methods meet the same episodes.
     """
-    return np.array(
-        [
-            [
-                _word(seed, Stream.EPISODE, generation, genome, episode)
-                for episode in range(episodes)
-            ]
-            for genome in range(population)
-        ],
-        dtype=np.uint64,
-    )
+    keys = np.empty((population, episodes, 4), dtype=np.uint32)
+    keys[..., 0] = Stream.EPISODE
+    keys[..., 1] = generation
+    keys[..., 2] = np.arange(population)[:, np.newaxis]
+    keys[..., 3] = np.arange(episodes)
+    return spawned_words(seed, keys.reshape(-1, 4)).reshape(population, episodes)
 
 
 def held_out_seeds(seed: int, episodes: int) -> npt.NDArray[np.uint64]:
@@ -49,14 +48,7 @@ def held_out_seeds(seed: int, episodes: int) -> npt.NDArray[np.uint64]:
 
     Disjoint from training: another stream of the same seed.
     """
-    words = [_word(seed, Stream.HELD_OUT, episode) for episode in range(episodes)]
-    return np.array([words], dtype=np.uint64)
-
-
-def _sequence(seed: int, stream: Stream, *key: int) -> np.random.SeedSequence:
-    return np.random.SeedSequence(seed, spawn_key=(int(stream), *key))
-
-
-def _word(seed: int, stream: Stream, *key: int) -> np.uint64:
-    word: np.uint64 = _sequence(seed, stream, *key).generate_state(1, np.uint64)[0]
-    return word
+    keys = np.empty((episodes, 2), dtype=np.uint32)
+    keys[:, 0] = Stream.HELD_OUT
+    keys[:, 1] = np.arange(episodes)
+    return spawned_words(seed, keys).reshape(1, episodes)

@@ -1,6 +1,7 @@
 """Whether a genome that came from a file is one: everything that the kernels rely on."""
 
 import numpy as np
+import numpy.typing as npt
 
 from neol.neat.genome import Genome
 
@@ -32,7 +33,7 @@ def check_genome(genome: Genome, inputs: int, outputs: int) -> None:
         raise ValueError(f"genome {genome.id}: its connections form a cycle")
 
 
-def _has_cycle(source: np.ndarray, target: np.ndarray) -> bool:  # type: ignore[type-arg]
+def _has_cycle(source: npt.NDArray[np.int64], target: npt.NDArray[np.int64]) -> bool:
     """Take away connections out of nodes that nothing feeds until none is left, or none can go."""
     while len(source):
         fed = np.isin(source, target)

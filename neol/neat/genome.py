@@ -193,47 +193,55 @@ def _decode_genome(
 ) -> int:
     """Write one genome's network into the batch's arrays; return the batch's next free edge."""
     count = len(nodes)
-    source_index = np.empty(len(connections), dtype=np.int64)
-    target_index = np.empty(len(connections), dtype=np.int64)
+    from_node = np.full(len(connections), -1, dtype=np.int64)
+    to_node = np.empty(len(connections), dtype=np.int64)
     incoming = np.zeros(count, dtype=np.int64)
+    waits_for = np.zeros(count, dtype=np.int64)
     for c in range(len(connections)):
-        from_input = connections[c].source < inputs
-        source_index[c] = -1 if from_input else node_index(nodes, connections[c].source)
-        target_index[c] = node_index(nodes, connections[c].target)
-        if connections[c].enabled and not from_input:
-            incoming[target_index[c]] += 1
+        if connections[c].enabled:
+            to_node[c] = node_index(nodes, connections[c].target)
+            incoming[to_node[c]] += 1
+            if connections[c].source >= inputs:
+                from_node[c] = node_index(nodes, connections[c].source)
+                waits_for[to_node[c]] += 1
 
-    # Kahn's algorithm over the hidden nodes; among the ready ones the lowest id goes first.
+    # Kahn's algorithm: hidden nodes queue up as soon as all that feeds them has its place.
     # Outputs feed nothing, so they simply follow in their own order.
     order = np.empty(count, dtype=np.int64)
-    position = np.full(count, -1, dtype=np.int64)
-    placed = 0
-    for _ in range(count - outputs):
-        for node in range(outputs, count):
-            if position[node] < 0 and incoming[node] == 0:
-                break
-        order[placed] = node
-        position[node] = placed
-        placed += 1
+    queued = 0
+    for node in range(outputs, count):
+        if waits_for[node] == 0:
+            order[queued] = node
+            queued += 1
+    position = np.empty(count, dtype=np.int64)
+    for place in range(count - outputs):
+        position[order[place]] = place
         for c in range(len(connections)):
-            if connections[c].enabled and source_index[c] == node:
-                incoming[target_index[c]] -= 1
+            if from_node[c] == order[place]:
+                target = to_node[c]
+                waits_for[target] -= 1
+                if waits_for[target] == 0 and target >= outputs:
+                    order[queued] = target
+                    queued += 1
     for output in range(outputs):
-        order[placed] = output
-        position[output] = placed
-        placed += 1
+        order[queued + output] = output
+        position[output] = queued + output
 
+    next_edge = np.empty(count, dtype=np.int64)
     edge = first_edge
     for place in range(count):
         node = order[place]
         bias[first_node + place] = nodes[node].bias
         edge_offset[first_node + place] = edge
-        for c in range(len(connections)):
-            if connections[c].enabled and target_index[c] == node:
-                feeds = source_index[c]
-                source[edge] = connections[c].source if feeds < 0 else inputs + position[feeds]
-                weight[edge] = connections[c].weight
-                gene[edge] = c
-                edge += 1
+        next_edge[node] = edge
+        edge += incoming[node]
     edge_offset[first_node + count] = edge
+    for c in range(len(connections)):
+        if connections[c].enabled:
+            place = next_edge[to_node[c]]
+            next_edge[to_node[c]] += 1
+            feeds = from_node[c]
+            source[place] = connections[c].source if feeds < 0 else inputs + position[feeds]
+            weight[place] = connections[c].weight
+            gene[place] = c
     return edge

@@ -40,15 +40,37 @@ def distance(one: Genome, other: Genome, neat: Neat) -> float:
     E + D counts the connections that only one has; the mean runs over those that both have. N is
     their number (at least 1), or with `larger_genome` the larger genome's number of connections.
     """
-    matching, difference = _match(one.connections, other.connections)
-    sizes = len(one.connections), len(other.connections)
-    unmatched = sum(sizes) - 2 * matching
-    normaliser = matching if neat.distance_normaliser == "matching" else max(sizes)
-    mean_difference = difference / max(matching, 1)
-    return (
-        neat.disjoint_coefficient * unmatched / max(normaliser, 1)
-        + neat.weight_coefficient * mean_difference
-    )
+    return float(_PackedGenes.of([one]).distances(other, neat)[0])
+
+
+@dataclass(frozen=True, slots=True)
+class _PackedGenes:
+    """What the distance looks at, of a whole population."""
+
+    offset: npt.NDArray[np.int64]
+    innovation: npt.NDArray[np.int64]
+    weight: npt.NDArray[np.float64]
+
+    @classmethod
+    def of(cls, population: Sequence[Genome]) -> "_PackedGenes":
+        sizes = [len(genome.connections) for genome in population]
+        return cls(
+            np.concatenate([[0], np.cumsum(sizes)]),
+            np.concatenate([genome.connections["innovation"] for genome in population]),
+            np.concatenate([genome.connections["weight"] for genome in population]),
+        )
+
+    def distances(self, representative: Genome, neat: Neat) -> npt.NDArray[np.float64]:
+        """Distance of each genome to one representative, float64[P]."""
+        return _distances(
+            self.offset,
+            self.innovation,
+            self.weight,
+            representative.connections,
+            neat.disjoint_coefficient,
+            neat.weight_coefficient,
+            neat.distance_normaliser == "larger_genome",
+        )
 
 
 def speciate(population: Sequence[Genome], species_set: SpeciesSet, neat: Neat) -> None:
@@ -58,17 +80,31 @@ def speciate(population: Sequence[Genome], species_set: SpeciesSet, neat: Neat) 
     them founds a new species. Of equally near species the oldest wins. Members are sorted by
     fitness, then age; empty species die out.
     """
+    genes = _PackedGenes.of(population)
+    nearest = np.full(len(population), np.inf)
+    home = np.zeros(len(population), dtype=np.int64)
+
+    def offer(index: int, first: int) -> None:
+        """Let the genomes from `first` on move to a species that is nearer than their own."""
+        distances = genes.distances(species_set.species[index].representative, neat)
+        nearer = distances < nearest
+        nearer[:first] = False
+        nearest[nearer] = distances[nearer]
+        home[nearer] = index
+
+    for index in range(len(species_set.species)):
+        offer(index, first=0)
+    for place, genome in enumerate(population):
+        if nearest[place] > neat.compatibility_threshold:
+            founder = genome.copy(genome.id)
+            species_set.species.append(Species(species_set.next_id, founder))
+            species_set.next_id += 1
+            offer(len(species_set.species) - 1, first=place)
+
     for species in species_set.species:
         species.members = []
-    for genome in population:
-        distances = [distance(genome, s.representative, neat) for s in species_set.species]
-        nearest = int(np.argmin(distances)) if distances else 0
-        if distances and distances[nearest] <= neat.compatibility_threshold:
-            species_set.species[nearest].members.append(genome)
-        else:
-            founder = genome.copy(genome.id)
-            species_set.species.append(Species(species_set.next_id, founder, members=[genome]))
-            species_set.next_id += 1
+    for index, genome in zip(home, population, strict=True):
+        species_set.species[index].members.append(genome)
     species_set.species = [species for species in species_set.species if species.members]
     for species in species_set.species:
         species.members.sort(key=lambda genome: (-genome.fitness, genome.id))
@@ -106,18 +142,31 @@ def adjusted_fitness(species_set: SpeciesSet, neat: Neat) -> npt.NDArray[np.floa
 
 
 @kernel
-def _match(one: npt.NDArray[np.void], other: npt.NDArray[np.void]) -> tuple[int, float]:
-    """How many innovation numbers both have, and the summed difference of those weights."""
-    matching, difference = 0, 0.0
-    i, j = 0, 0
-    while i < len(one) and j < len(other):
-        if one[i].innovation == other[j].innovation:
-            matching += 1
-            difference += abs(one[i].weight - other[j].weight)
-            i += 1
-            j += 1
-        elif one[i].innovation < other[j].innovation:
-            i += 1
-        else:
-            j += 1
-    return matching, difference
+def _distances(
+    offset: npt.NDArray[np.int64],
+    innovation: npt.NDArray[np.int64],
+    weight: npt.NDArray[np.float64],
+    representative: npt.NDArray[np.void],
+    c1: float,
+    c3: float,
+    by_larger_genome: bool,
+) -> npt.NDArray[np.float64]:
+    distances = np.empty(len(offset) - 1)
+    for genome in range(len(distances)):
+        matching, difference = 0, 0.0
+        i, end, j = offset[genome], offset[genome + 1], 0
+        while i < end and j < len(representative):
+            if innovation[i] == representative[j].innovation:
+                matching += 1
+                difference += abs(weight[i] - representative[j].weight)
+                i += 1
+                j += 1
+            elif innovation[i] < representative[j].innovation:
+                i += 1
+            else:
+                j += 1
+        size = end - offset[genome]
+        unmatched = size + len(representative) - 2 * matching  # E + D
+        n = max(size, len(representative)) if by_larger_genome else matching
+        distances[genome] = c1 * unmatched / max(n, 1) + c3 * difference / max(matching, 1)
+    return distances

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
-from neol.neat.genome import CONNECTION, NODE, Genome, Innovations
+from neol.neat.genome import NODE, Genome, Innovations
 from neol.spec import Neat
 
 
@@ -77,8 +77,8 @@ def add_connection(
     if reaches(genome.connections, target, source):
         return
     weight = fresh_values(neat.weight_init_sd, neat.weight_limit, random, 1)[0]
-    gene = (innovations.connection(source, target), source, target, weight, True)
-    _insert(genome, [gene])
+    innovation = innovations.connection(source, target)
+    genome.connections = _with_gene(genome.connections, innovation, source, target, weight)
 
 
 def add_node(genome: Genome, innovations: Innovations, random: np.random.Generator) -> None:
@@ -93,9 +93,10 @@ def add_node(genome: Genome, innovations: Innovations, random: np.random.Generat
     genome.connections["enabled"][split] = False
     innovation, source, target, weight, _ = genome.connections[split].item()
     node, into, out_of = innovations.split(innovation)
-    index = int(np.searchsorted(genome.nodes["id"], node))
-    genome.nodes = np.insert(genome.nodes, index, np.array((node, 0.0), dtype=NODE))
-    _insert(genome, [(into, source, node, 1.0, True), (out_of, node, target, weight, True)])
+    # A node of this generation has the highest id so far, so it comes last.
+    genome.nodes = np.append(genome.nodes, np.array((node, 0.0), dtype=NODE))
+    genome.connections = _with_gene(genome.connections, into, source, node, 1.0)
+    genome.connections = _with_gene(genome.connections, out_of, node, target, weight)
 
 
 def remove_connection(genome: Genome, random: np.random.Generator) -> None:
@@ -139,26 +140,25 @@ def mutate_weights(genome: Genome, neat: Neat, random: np.random.Generator) -> N
         bias_rates = neat.bias_mutate_rate, neat.bias_replace_rate
     else:
         weight_rates = bias_rates = neat.weight_mutation, 0.0
-    for values, rates, power, sd, limit in (
-        (
-            genome.connections["weight"],
-            weight_rates,
-            neat.weight_mutate_power,
-            neat.weight_init_sd,
-            neat.weight_limit,
-        ),
-        (
-            genome.nodes["bias"],
-            bias_rates,
-            neat.bias_mutate_power,
-            neat.bias_init_sd,
-            neat.bias_limit,
-        ),
-    ):
-        chance, noise = random.random(len(values)), random.standard_normal(len(values))
-        perturbed, touched = chance < rates[0], chance < rates[0] + rates[1]
-        mutated = np.where(perturbed, values + power * noise, sd * noise)
-        values[:] = np.where(touched, np.clip(mutated, -limit, limit), values)
+    weight, bias = genome.connections["weight"], genome.nodes["bias"]
+    _perturb(
+        weight,
+        *weight_rates,
+        neat.weight_mutate_power,
+        neat.weight_init_sd,
+        neat.weight_limit,
+        random.random(len(weight)),
+        random.standard_normal(len(weight)),
+    )
+    _perturb(
+        bias,
+        *bias_rates,
+        neat.bias_mutate_power,
+        neat.bias_init_sd,
+        neat.bias_limit,
+        random.random(len(bias)),
+        random.standard_normal(len(bias)),
+    )
 
 
 def fresh_values(
@@ -166,13 +166,6 @@ def fresh_values(
 ) -> npt.NDArray[np.float64]:
     """Fresh weights or biases: normal with mean 0, clipped to their limit."""
     return np.clip(sd * random.standard_normal(size), -limit, limit)
-
-
-def _insert(genome: Genome, genes: list[tuple[int, int, int, float, bool]]) -> None:
-    """Put connections where their innovation numbers belong."""
-    new = np.array(genes, dtype=CONNECTION)
-    index = np.searchsorted(genome.connections["innovation"], new["innovation"])
-    genome.connections = np.insert(genome.connections, index, new)
 
 
 @kernel
@@ -227,3 +220,44 @@ def _cross_nodes(
             m += 1
         if m < len(mate) and mate[m].id == child[n].id and chance[n] < 0.5:
             child[n].bias = mate[m].bias
+
+
+@kernel
+def _with_gene(
+    connections: npt.NDArray[np.void], innovation: int, source: int, target: int, weight: float
+) -> npt.NDArray[np.void]:
+    """The connections with one more, enabled, where its innovation number belongs."""
+    longer = np.empty(len(connections) + 1, dtype=connections.dtype)
+    c = len(connections)
+    while c > 0 and connections[c - 1].innovation > innovation:
+        longer[c] = connections[c - 1]
+        c -= 1
+    longer[:c] = connections[:c]
+    longer[c].innovation = innovation
+    longer[c].source = source
+    longer[c].target = target
+    longer[c].weight = weight
+    longer[c].enabled = True
+    return longer
+
+
+@kernel
+def _perturb(
+    values: npt.NDArray[np.float64],
+    mutate_rate: float,
+    replace_rate: float,
+    power: float,
+    sd: float,
+    limit: float,
+    chance: npt.NDArray[np.float64],
+    noise: npt.NDArray[np.float64],
+) -> None:
+    """Perturb or replace some values in place; `chance` is uniform, `noise` standard normal."""
+    for i in range(len(values)):
+        if chance[i] >= mutate_rate + replace_rate:
+            continue
+        if chance[i] < mutate_rate:
+            mutated = values[i] + power * noise[i]
+        else:
+            mutated = sd * noise[i]
+        values[i] = min(max(mutated, -limit), limit)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.errors import UserError
-from neol.network import ACTIVATIONS, Networks, forward
+from neol.network import Networks, forward
 from neol.plasticity import RULES, learn
 from neol.rollout.engine import Rollouts
 from neol.spec import Plasticity, Task
@@ -151,7 +151,7 @@ class ReferenceEngine:
         return total, steps
 
     def _action(self, outputs: npt.NDArray[np.float64]) -> Any:
-        """Argmax for discrete actions, else outputs clipped to the action's bounds (Section 4.1)."""
+        """Argmax of discrete actions, else outputs clipped to the action's bounds (Section 4.1)."""
         space = self._environment.action_space
         if isinstance(space, gymnasium.spaces.Discrete):
             return int(space.start) + int(np.argmax(outputs))
