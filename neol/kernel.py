@@ -25,11 +25,11 @@ def kernel(function: Function) -> Function:
 
 @cache
 def source_digest() -> str:
-    """Hex digest of all sources of neol that hold kernels, and of the compiler's version."""
+    """Hex digest of all sources of neol that hold compiled code, and of the compiler's version."""
     digest = hashlib.sha256(numba.__version__.encode())
     for path in sorted(Path(__file__).parent.rglob("*.py")):
         text = path.read_bytes()
-        if b"neol.kernel" in text:
+        if b"neol.kernel" in text or b"numba" in text:
             digest.update(text)
     return digest.hexdigest()[:16]
 
