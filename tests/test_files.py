@@ -1,0 +1,43 @@
+"""Files are whole or not there."""
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+
+from neol.errors import UserError
+from neol.files import read_bounded, write_atomically
+
+
+def test_written_is_read(tmp_path: Path) -> None:
+    write_atomically(tmp_path / "a", b"old")
+    write_atomically(tmp_path / "a", b"new")
+    assert read_bounded(tmp_path / "a", 3) == b"new"
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+def test_a_full_disk_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    write_atomically(tmp_path / "a", b"old")
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(UserError, match=r"a: cannot be written \(No space left on device\)"):
+        write_atomically(tmp_path / "a", b"new")
+    assert [path.name for path in tmp_path.iterdir()] == ["a"]
+    assert (tmp_path / "a").read_bytes() == b"old"
+
+
+def test_a_folder_that_is_none(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(UserError, match="cannot be written"):
+        write_atomically(tmp_path / "file" / "a", b"")
+    with pytest.raises(UserError, match="cannot be read"):
+        read_bounded(tmp_path / "file" / "a", 1)
+
+
+def test_too_large_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"four")
+    with pytest.raises(UserError, match="larger than 3 bytes"):
+        read_bounded(tmp_path / "a", 3)
