@@ -1,0 +1,67 @@
+# Everything starts here: `make` prints what there is. Needs Python 3.11 to 3.13, pip, make and a C++ compiler.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(CURDIR)/$(VENV)/bin
+RUN    := PATH="$(BIN):$$PATH"
+SHELL  := /bin/bash
+
+# Written last, so that an interrupted set-up is never taken for a complete one.
+ENVIRONMENT := $(VENV)/.environment
+READY       := $(VENV)/.ready
+
+.DEFAULT_GOAL := help
+.PHONY: help environment test lock clean FORCE
+.DELETE_ON_ERROR:
+
+help:
+	@echo 'make figures/table1.tex   a table or figure, from runs to LaTeX (any other file of figures/ alike)'
+	@echo 'make test                 all checks and tests'
+	@echo 'make environment          only set up $(VENV)'
+	@echo 'make lock                 resolve pyproject.toml into environment.lock anew'
+	@echo 'make clean                remove $(VENV) and all caches; results/ and figures/ stay'
+	@echo 'PYTHON=python3.12 chooses the Python of $(VENV).'
+
+figures/%: $(READY) FORCE
+	$(RUN) snakemake $@
+
+test: $(READY)
+	$(RUN) ruff check
+	$(RUN) ruff format --check
+	$(RUN) mypy
+	$(RUN) snakemake --lint
+	$(RUN) snakefmt --check Snakefile
+	$(RUN) pytest
+
+environment: $(READY)
+
+$(ENVIRONMENT): environment.lock
+	@$(PYTHON) -c 'import sys, ensurepip, venv; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null || { \
+	    echo 'neol needs Python 3.11, 3.12 or 3.13 with venv, and $(PYTHON) is not that: choose one with PYTHON=python3.12' >&2; \
+	    exit 1; }
+	@echo 'Setting up $(VENV) from environment.lock, for some minutes:'
+	@$(PYTHON) -m venv --clear $(VENV)
+	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --no-deps --require-hashes \
+	    --progress-bar off --requirement environment.lock | awk '\
+	    /^(Collecting|Processing) / && ++n % 30 == 0 { print "  fetched " n " packages"; fflush() } \
+	    /^Installing collected/                      { print "  installing " n;          fflush() }'
+	@touch $@
+
+$(READY): $(ENVIRONMENT) pyproject.toml $(wildcard neol/rollout/box2d/*.?pp)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	-@$(BIN)/python -m neol.rollout.box2d.build
+	@touch $@
+
+# uv resolves for every supported Python and system at once; connection-pool has no wheels.
+lock:
+	$(PYTHON) -m venv --clear .venv-lock
+	.venv-lock/bin/pip install --quiet --disable-pip-version-check uv
+	.venv-lock/bin/uv pip compile pyproject.toml --upgrade --all-extras --universal --no-emit-index-url --no-annotate \
+	    --generate-hashes --only-binary :all: --no-binary connection-pool \
+	    --custom-compile-command 'make lock' --quiet --output-file environment.lock
+	rm -rf .venv-lock
+
+clean:
+	rm -rf $(VENV) .venv-lock .snakemake .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist
+	find neol tests -name __pycache__ -prune -exec rm -rf {} +
+	rm -f neol/rollout/box2d/core.*so neol/rollout/box2d/core.dylib
