@@ -1,0 +1,81 @@
+"""Where a result comes from: versions, commit, machine and time. Nothing of it is in a digest."""
+
+import importlib.metadata
+import os
+import platform
+import subprocess
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+
+from neol.spec import Model
+
+PACKAGES = ("numpy", "numba", "gymnasium", "mujoco", "box2d", "neol")
+
+
+class Provenance(Model):
+    """What made a run, apart from its specification."""
+
+    versions: dict[str, str | None]
+    """Of Python and the packages that numbers depend on; null where one is not installed."""
+    commit: str | None
+    """The checkout's commit; null outside one."""
+    dirty: bool | None
+    """Whether code or configuration differed from that commit."""
+    host: str
+    platform: str
+    cpu: str
+    libc: str
+    time: str
+    """When the run finished: UTC, ISO 8601."""
+
+
+def provenance() -> Provenance:
+    """Of a run that finishes now, in this process."""
+    commit, dirty = _checkout()
+    return Provenance(
+        versions={"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
+        commit=commit,
+        dirty=dirty,
+        host=platform.node(),
+        platform=platform.platform(),
+        cpu=f"{os.cpu_count()} x {_cpu_model()}",
+        libc=" ".join(platform.libc_ver()).strip(),
+        time=datetime.now(UTC).isoformat(timespec="seconds"),
+    )
+
+
+def _version(package: str) -> str | None:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+@cache
+def _checkout() -> tuple[str | None, bool | None]:
+    """The commit that this file is tracked in, and whether code or constants differ from it."""
+    root = Path(__file__).resolve().parent.parent
+    try:
+        _git(root, "ls-files", "--error-unmatch", "neol/provenance.py")
+        commit = _git(root, "rev-parse", "HEAD")
+        changes = _git(root, "status", "--porcelain", "--", "neol", "config", "environment.lock")
+    except (OSError, subprocess.CalledProcessError):
+        return None, None
+    return commit, bool(changes)
+
+
+def _git(root: Path, *arguments: str) -> str:
+    command = ["git", "-C", str(root), *arguments]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+@cache
+def _cpu_model() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()

@@ -1,0 +1,243 @@
+"""Runs: one seed from start to champion, and a block of seeds into one record.
+
+While a block runs, `<output>.partial/` holds a record for each finished seed and a checkpoint of
+the one in progress; at the end `<output>` takes its place.
+"""
+
+import contextlib
+import fcntl
+import shutil
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from neol import checkpoint as checkpoints
+from neol.checkpoint import Cost
+from neol.errors import UserError
+from neol.evolution import Evolution, Generation
+from neol.neat.genome import Genome
+from neol.provenance import provenance
+from neol.records import (
+    Champion,
+    HeldOut,
+    Record,
+    SeedInfo,
+    history_table,
+    join,
+    read_record,
+    write_record,
+)
+from neol.rollout import Engine, EngineChoice, make_engine
+from neol.rollout.reference import network_size
+from neol.spec import RunSpec
+
+OnGeneration = Callable[[int, Generation], None]
+"""Told the seed and each generation that is done."""
+
+
+@dataclass(frozen=True, slots=True)
+class SeedResult:
+    """What one run came to."""
+
+    spec: RunSpec
+    history: list[Generation]
+    champion: Genome
+    held_out_returns: npt.NDArray[np.float64]
+    """float64[episodes]: NaN where an episode failed."""
+    digest: str
+    """Of the trajectory."""
+    inputs: int
+    outputs: int
+    engine: str
+    cost: Cost
+
+
+def run_seed(
+    spec: RunSpec,
+    engine: Engine,
+    *,
+    checkpoint: Path | None = None,
+    checkpoint_every: int = 10,
+    on_generation: OnGeneration | None = None,
+) -> SeedResult:
+    """Run one seed to its end, from its checkpoint where that exists.
+
+    Checkpoints are written after every `checkpoint_every` generations and, whatever ends the run
+    early, for the last generation that was completed.
+    """
+    if checkpoint is not None and checkpoint.exists():
+        evolution, spent = checkpoints.load(checkpoint, spec)
+    else:
+        evolution, spent = Evolution.begin(spec, *network_size(spec.task)), Cost()
+    wall, cpu = time.perf_counter(), time.process_time()
+
+    def cost() -> Cost:
+        return Cost(
+            spent.wall_seconds + time.perf_counter() - wall,
+            spent.cpu_seconds + time.process_time() - cpu,
+        )
+
+    done = checkpoints.snapshot(evolution)
+    saved = done.generation
+    try:
+        for generation in evolution.run(engine):
+            done = checkpoints.snapshot(evolution)
+            if checkpoint is not None and done.generation % checkpoint_every == 0:
+                checkpoints.save(checkpoint, done, cost())
+                saved = done.generation
+            if on_generation is not None:
+                on_generation(spec.seed, generation)
+        held_out_returns = evolution.held_out_returns(engine)
+    except BaseException:
+        if checkpoint is not None and done.generation > saved:
+            checkpoints.save(checkpoint, done, cost())
+        raise
+    return SeedResult(
+        spec=spec,
+        history=evolution.history,
+        champion=evolution.champion(),
+        held_out_returns=held_out_returns,
+        digest=evolution.digest,
+        inputs=evolution.reproduction.inputs,
+        outputs=evolution.reproduction.outputs,
+        engine=engine.name,
+        cost=cost(),
+    )
+
+
+def run_block(
+    spec: RunSpec,
+    seeds: Sequence[int],
+    output: Path,
+    *,
+    engine: EngineChoice = "auto",
+    workers: int = 1,
+    checkpoint_every: int = 10,
+    resume: bool = False,
+    budget: str | None = None,
+    on_generation: OnGeneration | None = None,
+) -> Record:
+    """Run a specification with several seeds (its own is left aside) and write their record.
+
+    With `resume`, finished seeds and checkpoints of an earlier attempt are used, and a complete
+    record is returned as it is; without it, neither may be there.
+    Raises UserError where something is in the way, before anything is simulated.
+    """
+    partial = output.with_name(f"{output.name}.partial")
+    if not resume:
+        _refuse_existing(output, partial)
+    with _claim(partial):
+        if output.exists():  # in full, or the last attempt was stopped before it could clean up
+            record = _same_seeds(read_record(output, spec), seeds, output)
+        else:
+            with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
+                records = [
+                    _seed_record(
+                        spec.model_copy(update={"seed": seed}),
+                        player,
+                        partial,
+                        checkpoint_every,
+                        budget,
+                        on_generation,
+                    )
+                    for seed in sorted(seeds)
+                ]
+            record = join(records)
+            write_record(output, record)
+        for leftover in partial.glob("seed_*"):
+            leftover.unlink()
+    return record
+
+
+def _seed_record(
+    spec: RunSpec,
+    engine: Engine,
+    partial: Path,
+    checkpoint_every: int,
+    budget: str | None,
+    on_generation: OnGeneration | None,
+) -> Record:
+    """The record of one seed: the finished one that is there, or a new one."""
+    finished = partial / f"seed_{spec.seed:06}.parquet"
+    checkpoint = finished.with_suffix(".npz")
+    if finished.exists():
+        record = _same_seeds(read_record(finished, spec), [spec.seed], finished)
+    else:
+        result = run_seed(
+            spec,
+            engine,
+            checkpoint=checkpoint,
+            checkpoint_every=checkpoint_every,
+            on_generation=on_generation,
+        )
+        record = _record_of(result, budget)
+        write_record(finished, record)
+    checkpoint.unlink(missing_ok=True)
+    return record
+
+
+def _record_of(result: SeedResult, budget: str | None) -> Record:
+    info = SeedInfo(
+        seed=result.spec.seed,
+        digest=result.digest,
+        inputs=result.inputs,
+        outputs=result.outputs,
+        champion=Champion.of(result.champion),
+        held_out=HeldOut.of(result.held_out_returns),
+        engine=result.engine,
+        wall_seconds=result.cost.wall_seconds,
+        cpu_seconds=result.cost.cpu_seconds,
+        provenance=provenance(),
+    )
+    return Record(result.spec, budget, history_table(info.seed, result.history), (info,))
+
+
+def _refuse_existing(output: Path, partial: Path) -> None:
+    if output.exists():
+        raise UserError(f"{output}: exists already; remove it or choose another output")
+    if any(partial.glob("seed_*")):
+        raise UserError(f"{partial}: holds an interrupted run; go on with --resume, or remove it")
+
+
+def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:
+    found = [info.seed for info in record.seeds]
+    if found != sorted(seeds):
+        raise UserError(
+            f"{path}: holds the seeds {found}, not {sorted(seeds)}; "
+            "remove it or choose another output"
+        )
+    return record
+
+
+@contextlib.contextmanager
+def _claim(partial: Path) -> Iterator[None]:
+    """Make the folder, hold it against other processes, and remove it once it holds no work.
+
+    The lock is the kernel's: it ends with the process, whatever ends that.
+    """
+    lock = partial / "lock"
+    try:
+        partial.mkdir(parents=True, exist_ok=True)
+        file = lock.open("w")
+    except OSError as error:
+        raise UserError(
+            f"{partial}: cannot be made ({error.strerror}); choose another output"
+        ) from None
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise UserError(
+                f"{partial}: another process is running this; wait for it or choose another output"
+            ) from None
+        except OSError:
+            pass  # a file system without locks
+        try:
+            yield
+        finally:
+            if not any(partial.glob("seed_*")):
+                shutil.rmtree(partial, ignore_errors=True)

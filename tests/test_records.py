@@ -1,0 +1,309 @@
+"""Records: exact, whole or refused, and documented."""
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from neol import records
+from neol.errors import UserError
+from neol.evolution import COLUMNS
+from neol.neat.genome import CONNECTION, NODE, Genome
+from neol.records import Champion, HeldOut, Record, read_record, write_record
+from neol.rollout.reference import ReferenceEngine
+from neol.run import _record_of, run_seed
+from neol.spec import ROOT, RunSpec
+from tests.test_evolution import run_spec
+
+Json = dict[str, Any]
+
+SPEC = run_spec(generations=3)
+
+
+@pytest.fixture(scope="module")
+def record() -> Record:
+    """Seeds 0 and 4 of a tiny CartPole run."""
+    engine = ReferenceEngine(SPEC.task)
+    seeds = [SPEC.model_copy(update={"seed": seed}) for seed in (0, 4)]
+    made = [_record_of(run_seed(spec, engine), "smoke") for spec in seeds]
+    engine.close()
+    return records.join(reversed(made))
+
+
+@pytest.fixture(scope="module")
+def content(record: Record, tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("record") / "run.parquet"
+    write_record(path, record)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def path(content: bytes, tmp_path: Path) -> Path:
+    (tmp_path / "run.parquet").write_bytes(content)
+    return tmp_path / "run.parquet"
+
+
+def same(one: Record, other: Record) -> bool:
+    return (one.spec, one.budget, one.seeds) == (
+        other.spec,
+        other.budget,
+        other.seeds,
+    ) and one.table.equals(other.table)
+
+
+def test_read_is_what_was_written(path: Path, record: Record) -> None:
+    read = read_record(path, SPEC.model_copy(update={"seed": 99}))
+    assert same(read, record)
+    assert read.spec_of(4) == SPEC.model_copy(update={"seed": 4})
+    assert read.table["seed"].to_pylist() == [0, 0, 0, 4, 4, 4]
+    assert read.table["generation"].to_pylist() == [1, 2, 3, 1, 2, 3]
+    assert [info.seed for info in read.seeds] == [0, 4]
+
+
+def test_columns_are_documented(path: Path) -> None:
+    assert records.SCHEMA.names == ["seed", *COLUMNS]
+    stored = pq.read_schema(path)
+    assert stored.field("env_steps").metadata[b"unit"] == b"steps"
+    assert records.describe_columns() in (ROOT / "docs" / "records.md").read_text()
+
+
+def test_metadata_are_documented() -> None:
+    text = (ROOT / "docs" / "records.md").read_text()
+    for model in (records.Metadata, records.SeedInfo):
+        for name in model.model_fields:
+            assert f"`{name}`" in text
+
+
+def test_time_and_host_are_in_no_trajectory_digest(record: Record) -> None:
+    engine = ReferenceEngine(SPEC.task)
+    again = run_seed(SPEC, engine)
+    engine.close()
+    assert again.digest == record.seeds[0].digest
+    assert again.cost.wall_seconds != record.seeds[0].wall_seconds
+
+
+floats = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(
+    weights=st.lists(floats, min_size=1, max_size=20),
+    biases=st.lists(floats, min_size=1, max_size=5),
+    fitness=floats,
+)
+def test_champions_floats_are_exact(
+    weights: list[float], biases: list[float], fitness: float
+) -> None:
+    genome = Genome(
+        3,
+        np.array(list(enumerate(biases)), dtype=NODE),
+        np.array([(i, 0, 1, w, i % 2 == 0) for i, w in enumerate(weights)], dtype=CONNECTION),
+        fitness,
+    )
+    text = records._canonical(Champion.of(genome).model_dump(mode="json"))
+    read = Champion.model_validate_json(text).genome()
+    assert read.nodes["bias"].tobytes() == genome.nodes["bias"].tobytes()
+    assert read.connections["weight"].tobytes() == genome.connections["weight"].tobytes()
+    assert read.connections["enabled"].tolist() == genome.connections["enabled"].tolist()
+    assert (read.id, read.fitness) == (3, fitness)
+
+
+def test_held_out_mean_and_spread() -> None:
+    held_out = HeldOut.of(np.array([1.0, 2.0, np.nan, 6.0]))
+    assert held_out.returns == (1.0, 2.0, None, 6.0)
+    assert held_out.mean == 3.0
+    assert held_out.sd == pytest.approx(7**0.5)
+    assert HeldOut.of(np.array([np.nan])).mean is None
+    assert HeldOut.of(np.array([1.0])).sd is None
+
+
+# --- What is refused ----------------------------------------------------------------------------
+
+
+def test_truncated_anywhere_is_refused(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "run.parquet"
+    for length in [*range(0, len(content), 211), len(content) - 1]:
+        path.write_bytes(content[:length])
+        with pytest.raises(UserError, match=r"run\.parquet: .*; restore it, or remove it"):
+            read_record(path)
+
+
+@settings(max_examples=300, deadline=None)
+@given(data=st.data())
+def test_damaged_anywhere_is_refused_or_the_same(
+    data: st.DataObject,
+    content: bytes,
+    record: Record,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "damaged.parquet"
+    damaged = bytearray(content)
+    for _ in range(data.draw(st.integers(1, 3))):
+        place = data.draw(st.integers(0, len(content) - 1))
+        damaged[place] ^= data.draw(st.integers(1, 255))
+    path.write_bytes(damaged)
+    try:
+        read = read_record(path)
+    except UserError as error:
+        assert "\n" not in str(error)
+        assert "damaged.parquet" in str(error)
+    else:  # a byte that means nothing, such as one of the writer's name
+        assert same(read, record)
+
+
+def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.parquet"
+    with pytest.raises(UserError, match=r"run\.parquet: cannot be read \(No such file"):
+        read_record(path)
+    path.write_bytes(b"PAR1 hello PAR1")
+    with pytest.raises(UserError, match="damaged or no record"):
+        read_record(path)
+    pq.write_table(pa.table({"a": [1, 2]}), path)
+    with pytest.raises(UserError, match="no key neol"):
+        read_record(path)
+    pq.write_table(pa.table({"a": [1]}).replace_schema_metadata({"neol": "{}"}), path)
+    with pytest.raises(UserError, match="its columns are others"):
+        read_record(path)
+
+
+def test_edited_rows_are_refused(path: Path) -> None:
+    file = pq.ParquetFile(path)
+    table = file.read()
+    best = table["best_fitness"].to_numpy().copy()
+    best[0] += 1.0
+    edited = table.set_column(2, table.schema.field(2), pa.array(best))
+    kept = {key: file.metadata.metadata[key] for key in (b"neol", b"neol_digest")}
+    pq.write_table(edited.replace_schema_metadata(kept), path)
+    with pytest.raises(UserError, match=r"run\.parquet: .*does not match its digest; restore"):
+        read_record(path)
+
+
+@pytest.mark.parametrize(
+    ("expected", "difference"),
+    [
+        (run_spec(generations=4), "generations is 3 there and 4 here"),
+        (run_spec(generations=3, population=9), "population is 8 there and 9 here"),
+        (
+            run_spec("oja", 0, "neat.elitism=1", generations=3),
+            r"neat\.elitism is 2 there and 1 here",
+        ),
+    ],
+)
+def test_another_specification_is_refused(path: Path, expected: RunSpec, difference: str) -> None:
+    with pytest.raises(
+        UserError, match=rf"run\.parquet: of another specification: {difference}; restore it"
+    ):
+        read_record(path, expected)
+
+
+def forge(path: Path, change: Callable[[Json, Json], None]) -> None:
+    """Change a record's metadata and rows, and seal it anew, as a careful liar would."""
+    file = pq.ParquetFile(path)
+    metadata, rows = json.loads(file.metadata.metadata[b"neol"]), file.read().to_pydict()
+    change(metadata, rows)
+    table = pa.table(rows, schema=records.SCHEMA)
+    text = records._canonical(metadata)
+    sealed = {"neol": text, "neol_digest": records._digest(text, table)}
+    pq.write_table(table.replace_schema_metadata(sealed), path)
+
+
+def _other_version(metadata: Json, _: Json) -> None:
+    metadata["schema_version"] = 2
+
+
+def _edited_spec(metadata: Json, _: Json) -> None:
+    metadata["spec"]["population"] = 9
+
+
+def _impossible_spec(metadata: Json, _: Json) -> None:
+    metadata["spec"]["population"] = -1
+
+
+def _swapped_seeds(metadata: Json, _: Json) -> None:
+    metadata["seeds"].reverse()
+
+
+def _missing_seed(metadata: Json, _: Json) -> None:
+    del metadata["seeds"][1]
+
+
+def _missing_generation(_: Json, rows: Json) -> None:
+    for column in rows.values():
+        del column[1]
+
+
+def _missing_last_generation(_: Json, rows: Json) -> None:
+    for column in rows.values():
+        del column[5]
+
+
+def _raised_fitness(_: Json, rows: Json) -> None:
+    rows["best_fitness"][2] += 100.0
+
+
+def _broken_champion(metadata: Json, _: Json) -> None:
+    metadata["seeds"][0]["champion"]["connections"][0][1] = 99
+
+
+def _missing_held_out(metadata: Json, _: Json) -> None:
+    metadata["seeds"][0]["held_out"]["returns"].pop()
+
+
+def _unknown_key(metadata: Json, _: Json) -> None:
+    metadata["extra"] = 1
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (_other_version, "its schema version is 2, this neol reads 1; read it with the neol"),
+        (_edited_spec, "specification does not match its digest"),
+        (_impossible_spec, "population"),
+        (_swapped_seeds, "generations of seed 4 are not complete"),
+        (_missing_seed, "speak of different seeds"),
+        (_missing_generation, "generations of seed 0 are not complete"),
+        (_missing_last_generation, "generations of seed 4 are not complete"),
+        (_raised_fitness, "champion of seed 0 is not that of its last generation"),
+        (_broken_champion, "a connection comes from nowhere"),
+        (_missing_held_out, "held-out episodes of seed 0 are not complete"),
+        (_unknown_key, "extra"),
+    ],
+)
+def test_a_record_at_odds_with_itself_is_refused_though_sealed(
+    path: Path,
+    change: Callable[[Json, Json], None],
+    reason: str,
+) -> None:
+    forge(path, change)
+    with pytest.raises(UserError, match=reason) as error:
+        read_record(path)
+    assert "\n" not in str(error.value)
+
+
+def test_an_honest_seal_passes(path: Path, record: Record) -> None:
+    forge(path, lambda *_: None)
+    assert same(read_record(path), record)
+
+
+def test_the_digest_covers_metadata_and_rows(record: Record) -> None:
+    digests = {
+        records._digest(b"{}", record.table),
+        records._digest(b"{ }", record.table),
+        records._digest(b"{}", record.table.slice(1)),
+        hashlib.sha256(b"{}").hexdigest(),
+    }
+    assert len(digests) == 4
+
+
+def test_records_of_another_cell_do_not_join(record: Record) -> None:
+    other = dataclasses.replace(record, spec=run_spec(population=9))
+    with pytest.raises(AssertionError):
+        records.join([record, other])
