@@ -1,0 +1,100 @@
+"""A budget's runs, read from its records."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import pandas as pd
+
+from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
+from neol.errors import UserError
+from neol.records import Record, read_record
+from neol.spec import Configuration
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A record that was read."""
+
+    path: str
+    """With the results folder's name in front: results/smoke/cartpole/..."""
+    sha256: str
+    """Of the file."""
+    spec: str
+    """Digest of the specification without the seed."""
+    runs: dict[int, str]
+    """Trajectory digest of each seed."""
+
+
+@dataclass(frozen=True)
+class CellRuns:
+    """The runs of one cell that there are."""
+
+    cell: Cell
+    rows: pd.DataFrame
+    """One row a seed and generation, with the columns of a record."""
+    missing: tuple[int, ...]
+    """Seeds that the budget has and no record holds."""
+    sources: tuple[Source, ...]
+
+    @cached_property
+    def final_best(self) -> dict[int, float]:
+        """Best fitness of the final generation, by seed."""
+        final = self.rows.sort_values("generation").groupby("seed").last()
+        return {int(seed): float(value) for seed, value in final["best_fitness"].items()}  # type: ignore[call-overload]
+
+
+class Campaign:
+    """What there is of a budget in a results folder; each cell is read once, when asked for."""
+
+    def __init__(self, configuration: Configuration, results: Path = RESULTS) -> None:
+        self.configuration = configuration
+        self._results = results
+        self._blocks: dict[Cell, list[Block]] = {}
+        for block in blocks(configuration):
+            self._blocks.setdefault(block.cell, []).append(block)
+        self._read: dict[Cell, CellRuns] = {}
+
+    def runs(self, cell: Cell) -> CellRuns:
+        """The runs of a cell. Raises UserError for a record that is damaged or of another spec."""
+        if cell not in self._read:
+            self._read[cell] = self._read_cell(cell)
+        return self._read[cell]
+
+    def _read_cell(self, cell: Cell) -> CellRuns:
+        missing: list[int] = []
+        rows: list[pd.DataFrame] = []
+        sources: list[Source] = []
+        for block in self._blocks[cell]:
+            below = block.record.relative_to(RESULTS)
+            path = self._results / below
+            if not path.exists():
+                missing += block.seeds
+                continue
+            record = read_record(path, run_specs(self.configuration, block)[0])
+            missing += _missing(path, record, block)
+            rows.append(record.table.to_pandas())
+            sources.append(
+                Source(
+                    path=str(Path(self._results.resolve().name, below)),
+                    sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+                    spec=record.spec_digest,
+                    runs={info.seed: info.digest for info in record.seeds},
+                )
+            )
+        columns = ["seed", "generation", "best_fitness"]
+        table = pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=columns)
+        return CellRuns(cell, table, tuple(missing), tuple(sources))
+
+
+def _missing(path: Path, record: Record, block: Block) -> list[int]:
+    """The block's seeds that its record does not hold."""
+    there = {info.seed for info in record.seeds}
+    strangers = sorted(there - set(block.seeds))
+    if strangers:
+        raise UserError(
+            f"{path}: holds seed {strangers[0]}, its name says {block.first} to {block.last}; "
+            "restore it, or remove it and run anew"
+        )
+    return [seed for seed in block.seeds if seed not in there]

@@ -1,0 +1,126 @@
+"""What the methods come to on each task: mean and deviation over seeds, ranked, and the paper's."""
+
+import math
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from neol.analysis import reference
+from neol.analysis.choice import METHODS, best, candidates
+from neol.analysis.runs import Campaign
+from neol.campaign import Cell, paper_cells
+
+Rank = Literal["best", "runner-up", ""]
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """A method on a task: its cell, and the best final-generation fitness over the cell's seeds."""
+
+    population: int | None = None
+    learning_rate: float | None = None
+    mean: float = math.nan
+    sd: float = math.nan
+    rank: Rank = ""
+    """Among the methods on the task."""
+
+
+@dataclass(frozen=True, slots=True)
+class OwnSummary(Summary):
+    """The same, from records."""
+
+    chosen: str = ""
+    """ "Table 3" for the paper's own cell, "grid" for the best of the budget's grid."""
+    seeds: int = 0
+    """How many there are."""
+    incomplete: str = ""
+    """What is missing; such a value is not ranked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A method on a task, here and in the paper."""
+
+    task: str
+    method: str
+    here: OwnSummary
+    paper: Summary
+
+
+def best_fitness(campaign: Campaign) -> list[Comparison]:
+    """The content of Table 1 (and of Table 3): each of the budget's tasks with each method."""
+    chosen_among = candidates(campaign.configuration)
+    comparisons = []
+    for task in campaign.configuration.budget.tasks:
+        here = [summarise(campaign, chosen_among.get((task, method), [])) for method in METHODS]
+        paper = [_paper_summary(task, method) for method in METHODS]
+        own_ranks = ranks([math.nan if each.incomplete else each.mean for each in here])
+        paper_ranks = ranks([each.mean for each in paper])
+        for i, method in enumerate(METHODS):
+            own = replace(here[i], rank=own_ranks[i])
+            comparisons.append(
+                Comparison(task, method, own, replace(paper[i], rank=paper_ranks[i]))
+            )
+    return comparisons
+
+
+def summarise(campaign: Campaign, cells: Sequence[Cell]) -> OwnSummary:
+    """The best of the cells: the highest mean, among those that have all their seeds.
+
+    Of a single cell the mean is taken over the seeds that there are, and `incomplete` says so.
+    """
+    if not cells:
+        return OwnSummary(incomplete="not in this budget")
+    runs = {cell: campaign.runs(cell) for cell in cells}
+    values = {cell: list(runs[cell].final_best.values()) for cell in cells}
+    complete = [cell for cell in cells if not runs[cell].missing]
+    incomplete = ""
+    if len(cells) == 1:
+        (cell,) = cells
+        if not complete:
+            incomplete = f"without seeds {', '.join(map(str, runs[cell].missing))}"
+    elif complete:
+        cell = best({each: mean_sd(values[each])[0] for each in complete})
+        if len(complete) < len(cells):
+            incomplete = f"chosen among the {len(complete)} of {len(cells)} cells that are complete"
+    else:
+        return OwnSummary(incomplete=f"none of {len(cells)} cells is complete")
+    mean, sd = mean_sd(values[cell])
+    from_paper = cell in paper_cells(campaign.configuration, table=3).values()
+    return OwnSummary(
+        population=cell.population,
+        learning_rate=cell.learning_rate,
+        mean=mean,
+        sd=sd,
+        chosen="Table 3" if from_paper else "grid",
+        seeds=len(values[cell]),
+        incomplete=incomplete,
+    )
+
+
+def mean_sd(values: Sequence[float]) -> tuple[float, float]:
+    """Mean and sample standard deviation (n - 1 in the denominator), whatever the values' order.
+
+    NaN for the mean of nothing and for the deviation of fewer than two values.
+    """
+    mean = statistics.fmean(values) if values else math.nan
+    return mean, statistics.stdev(values) if len(values) > 1 else math.nan
+
+
+def ranks(means: Sequence[float]) -> list[Rank]:
+    """The rank of each mean in a table's row; NaN is not ranked.
+
+    Means are compared at full precision. All that equal the highest are best, all that equal the
+    next one runners-up; but a shared first place leaves no second, as in the paper's CartPole row.
+    """
+    ranked = sorted((mean for mean in means if not math.isnan(mean)), reverse=True)
+    first, second = [*ranked, math.nan, math.nan][:2]
+    return ["best" if mean == first else "runner-up" if mean == second else "" for mean in means]
+
+
+def _paper_summary(task: str, method: str) -> Summary:
+    """What the paper's Tables 1 and 3 print, nothing for a task that they do not have."""
+    mean, sd = reference.values(1).get((task, method), (math.nan, None))
+    population, learning_rate = reference.settings(3).get((task, method), (None, None))
+    return Summary(population, learning_rate, mean, math.nan if sd is None else sd)

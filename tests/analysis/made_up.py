@@ -1,0 +1,97 @@
+"""Made-up records: a campaign's folder whose statistics are known beforehand."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
+from neol.evolution import Generation
+from neol.neat.genome import initial_genome
+from neol.provenance import provenance
+from neol.records import Champion, HeldOut, Record, SeedInfo, history_table, join, write_record
+from neol.spec import Configuration, RunSpec, load_configuration
+
+
+def configuration(
+    *, tasks: Sequence[str] = ("cartpole",), generations: int = 2, seeds: int = 3
+) -> Configuration:
+    """The smoke budget (P = 6, 12, two rates) with other tasks, generations and seeds."""
+    return load_configuration(
+        "smoke",
+        [
+            f"budget.tasks=[{', '.join(tasks)}]",
+            f"budget.generations={generations}",
+            f"budget.seeds={seeds}",
+            f"budget.seeds_per_job={seeds}",
+            "evaluation.held_out_episodes=1",
+        ],
+    )
+
+
+def write_campaign(
+    results: Path,
+    configuration: Configuration,
+    final_best: Mapping[Cell, Sequence[float | None]],
+    otherwise: float = 0.0,
+) -> None:
+    """Write a record for each block; a cell that `final_best` names gets those values by seed.
+
+    Every other run ends at `otherwise`. None leaves a seed out.
+    """
+    for block in blocks(configuration):
+        values = final_best.get(block.cell, [otherwise] * configuration.budget.seeds)
+        runs = [
+            run(spec, block.budget, value)
+            for spec, value in zip(run_specs(configuration, block), _of(values, block), strict=True)
+            if value is not None
+        ]
+        if runs:
+            path = results / block.record.relative_to(RESULTS)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_record(path, join(runs))
+
+
+def run(spec: RunSpec, budget: str, final_best: float) -> Record:
+    """A run whose best fitness is higher before the end: only the final generation may count."""
+    history = [
+        generation(number, final_best + (spec.generations - number))
+        for number in range(1, spec.generations + 1)
+    ]
+    genome = initial_genome(0, 1, 1, np.zeros(1), np.zeros(1))
+    genome.fitness = final_best
+    info = SeedInfo(
+        seed=spec.seed,
+        digest=f"{spec.seed:064x}",
+        inputs=1,
+        outputs=1,
+        champion=Champion.of(genome),
+        held_out=HeldOut.of(np.zeros(spec.evaluation.held_out_episodes)),
+        engine="made up",
+        wall_seconds=0.0,
+        cpu_seconds=0.0,
+        provenance=provenance(),
+    )
+    return Record(spec, budget, history_table(spec.seed, history), (info,))
+
+
+def generation(number: int, best_fitness: float) -> Generation:
+    return Generation(
+        generation=number,
+        best_fitness=best_fitness,
+        mean_fitness=0.0,
+        sd_fitness=0.0,
+        evaluations=number,
+        env_steps=number,
+        species=1,
+        nodes_mean=1.0,
+        connections_mean=1.0,
+        nodes_best=1,
+        connections_best=1,
+        weight_change_mean=0.0,
+        failed_evaluations=0,
+    )
+
+
+def _of(values: Sequence[float | None], block: Block) -> Sequence[float | None]:
+    return values[block.first : block.last + 1]
