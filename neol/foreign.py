@@ -7,7 +7,7 @@ process only. Here the address is an argument like any other, so the kernel is c
 import ctypes
 from typing import Any
 
-from llvmlite import ir  # type: ignore[import-untyped]
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -26,7 +26,7 @@ def _c_call(returns: types.Type, function: types.Type, arguments: tuple[types.Ty
         return None
     signature = returns(function, types.StarArgTuple(arguments))  # type: ignore[no-untyped-call]
 
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    def generate(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
         pointer, packed = values
         passed = [
             context.make_array(kind)(context, builder, value).data
@@ -43,7 +43,7 @@ def _c_call(returns: types.Type, function: types.Type, arguments: tuple[types.Ty
 
 
 @intrinsic
-def call_void(typing_context: Any, function: Any, *arguments: Any) -> Any:
+def call_void(_typing_context: Any, function: Any, *arguments: Any) -> Any:
     """Call a C function that returns nothing: call_void(function, *arguments).
 
     `function` is its address. Arrays are passed as pointers, a handle as the int64 of its
@@ -53,6 +53,6 @@ def call_void(typing_context: Any, function: Any, *arguments: Any) -> Any:
 
 
 @intrinsic
-def call_int(typing_context: Any, function: Any, *arguments: Any) -> Any:
+def call_int(_typing_context: Any, function: Any, *arguments: Any) -> Any:
     """Call a C function that returns an int: call_int(function, *arguments) (see `call_void`)."""
     return _c_call(types.int32, function, arguments)

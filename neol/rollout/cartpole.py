@@ -31,34 +31,39 @@ class World(NamedTuple):
     state: Array
     """float64[4]: position, velocity, angle, angular velocity."""
 
+    @kernel
+    def reset(self, random: State, observation: Array) -> None:
+        """Begin an episode with draws from the random stream."""
+        for i in range(4):
+            self.state[i] = uniform(-0.05, 0.05, random)
+            observation[i] = np.float32(self.state[i])
 
-@kernel
-def reset(world: World, random: State, observation: Array) -> None:
-    """Begin an episode with draws from the random stream."""
-    for i in range(4):
-        world.state[i] = uniform(-0.05, 0.05, random)
-        observation[i] = np.float32(world.state[i])
+    @kernel
+    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
+        """Push the cart to the larger output's side: reward, and whether the episode ended."""
+        x, x_dot, theta, theta_dot = self.state
+        force = FORCE if np.argmax(outputs) == 1 else -FORCE
+        cos, sin = math.cos(theta), math.sin(theta)
+        temp = (force + POLE_MASS_LENGTH * (theta_dot * theta_dot) * sin) / TOTAL_MASS
+        angular_acceleration = (GRAVITY * sin - cos * temp) / (
+            HALF_LENGTH * (4.0 / 3.0 - POLE_MASS * (cos * cos) / TOTAL_MASS)
+        )
+        acceleration = temp - POLE_MASS_LENGTH * angular_acceleration * cos / TOTAL_MASS
+        x += SECONDS * x_dot
+        x_dot += SECONDS * acceleration
+        theta += SECONDS * theta_dot
+        theta_dot += SECONDS * angular_acceleration
+        self.state[:] = (x, x_dot, theta, theta_dot)
+        for i in range(4):
+            observation[i] = np.float32(self.state[i])
+        terminated = (
+            x < -POSITION_LIMIT or x > POSITION_LIMIT or theta < -ANGLE_LIMIT or theta > ANGLE_LIMIT
+        )
+        return 1.0, terminated
 
 
-@kernel
-def step(world: World, outputs: Array, observation: Array) -> tuple[float, bool]:
-    """Push the cart to the side with the larger output: reward, and whether the episode ended."""
-    x, x_dot, theta, theta_dot = world.state
-    force = FORCE if np.argmax(outputs) == 1 else -FORCE
-    cos, sin = math.cos(theta), math.sin(theta)
-    temp = (force + POLE_MASS_LENGTH * (theta_dot * theta_dot) * sin) / TOTAL_MASS
-    angular_acceleration = (GRAVITY * sin - cos * temp) / (
-        HALF_LENGTH * (4.0 / 3.0 - POLE_MASS * (cos * cos) / TOTAL_MASS)
-    )
-    acceleration = temp - POLE_MASS_LENGTH * angular_acceleration * cos / TOTAL_MASS
-    x += SECONDS * x_dot
-    x_dot += SECONDS * acceleration
-    theta += SECONDS * theta_dot
-    theta_dot += SECONDS * angular_acceleration
-    world.state[:] = (x, x_dot, theta, theta_dot)
-    for i in range(4):
-        observation[i] = np.float32(world.state[i])
-    terminated = (
-        x < -POSITION_LIMIT or x > POSITION_LIMIT or theta < -ANGLE_LIMIT or theta > ANGLE_LIMIT
-    )
-    return 1.0, terminated
+class Simulation:
+    """A cart with a pole, in memory of its own."""
+
+    def __init__(self) -> None:
+        self.world = World(np.empty(4))

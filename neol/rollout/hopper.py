@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-import mujoco  # type: ignore[import-untyped]
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -46,6 +46,53 @@ class World(NamedTuple):
     control: Array
     """float64[3]: torques of thigh, leg and foot."""
 
+    @kernel
+    def reset(self, random: State, observation: Array) -> None:
+        """Begin an episode with draws from the random stream."""
+        call_void(self.mj_reset_data, self.model, self.data)
+        for i in range(6):
+            self.position[i] = self.rest[i] + uniform(-RESET_NOISE, RESET_NOISE, random)
+        for i in range(6):
+            self.velocity[i] = uniform(-RESET_NOISE, RESET_NOISE, random)
+        call_void(self.mj_forward, self.model, self.data)
+        observe(self, observation)
+
+    @kernel
+    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
+        """Turn the joints by the three outputs: reward, and whether the episode ended."""
+        squares = np.float32(0.0)
+        for i in range(3):
+            action = np.float32(min(max(outputs[i], -1.0), 1.0))
+            self.control[i] = action
+            squares += action * action
+        before = self.position[0]
+        for _ in range(FRAME_SKIP):
+            call_void(self.mj_step, self.model, self.data)
+        speed = (self.position[0] - before) / SECONDS
+        reward = speed + HEALTHY_REWARD - CONTROL_COST * squares
+        observe(self, observation)
+        return reward, not is_healthy(self)
+
+
+@kernel
+def observe(world: World, observation: Array) -> None:
+    """Write the observation, float64[11]: positions but x, and velocities clipped to +-10."""
+    for i in range(1, 6):
+        observation[i - 1] = world.position[i]
+    for i in range(6):
+        observation[5 + i] = min(max(world.velocity[i], -SPEED_LIMIT), SPEED_LIMIT)
+
+
+@kernel
+def is_healthy(world: World) -> bool:
+    """Whether the hopper stands: height, torso angle and all else but x within bounds."""
+    healthy = 0.7 < world.position[1] < math.inf and -0.2 < world.position[2] < 0.2
+    for i in range(2, 6):
+        healthy &= -100.0 < world.position[i] < 100.0
+    for i in range(6):
+        healthy &= -100.0 < world.velocity[i] < 100.0
+    return bool(healthy)
+
 
 class Simulation:
     """MuJoCo's model and data of one hopper, which live as long as this object."""
@@ -69,52 +116,3 @@ class Simulation:
             velocity=self._data.qvel,
             control=self._data.ctrl,
         )
-
-
-@kernel
-def observe(world: World, observation: Array) -> None:
-    """Write the observation, float64[11]: positions but x, and velocities clipped to +-10."""
-    for i in range(1, 6):
-        observation[i - 1] = world.position[i]
-    for i in range(6):
-        observation[5 + i] = min(max(world.velocity[i], -SPEED_LIMIT), SPEED_LIMIT)
-
-
-@kernel
-def is_healthy(world: World) -> bool:
-    """Whether the hopper stands: height, torso angle and all else but x within bounds."""
-    healthy = 0.7 < world.position[1] < math.inf and -0.2 < world.position[2] < 0.2
-    for i in range(2, 6):
-        healthy &= -100.0 < world.position[i] < 100.0
-    for i in range(6):
-        healthy &= -100.0 < world.velocity[i] < 100.0
-    return bool(healthy)
-
-
-@kernel
-def reset(world: World, random: State, observation: Array) -> None:
-    """Begin an episode with draws from the random stream."""
-    call_void(world.mj_reset_data, world.model, world.data)
-    for i in range(6):
-        world.position[i] = world.rest[i] + uniform(-RESET_NOISE, RESET_NOISE, random)
-    for i in range(6):
-        world.velocity[i] = uniform(-RESET_NOISE, RESET_NOISE, random)
-    call_void(world.mj_forward, world.model, world.data)
-    observe(world, observation)
-
-
-@kernel
-def step(world: World, outputs: Array, observation: Array) -> tuple[float, bool]:
-    """Turn the joints by the three outputs: reward, and whether the episode ended."""
-    squares = np.float32(0.0)
-    for i in range(3):
-        action = np.float32(min(max(outputs[i], -1.0), 1.0))
-        world.control[i] = action
-        squares += action * action
-    before = world.position[0]
-    for _ in range(FRAME_SKIP):
-        call_void(world.mj_step, world.model, world.data)
-    speed = (world.position[0] - before) / SECONDS
-    reward = speed + HEALTHY_REWARD - CONTROL_COST * squares
-    observe(world, observation)
-    return reward, not is_healthy(world)

@@ -1,21 +1,20 @@
 """Step by step, an environment in compiled code against Gymnasium's own."""
 
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from neol.rollout.episodes import World
 from neol.rollout.pcg64 import seed_pcg64
 
 Array = npt.NDArray[np.float64]
 
 
 def compare_episode(
-    physics: ModuleType,
-    world: Any,
+    world: World,
     environment: gymnasium.Env[Any, Any],
     seed: int,
     policy: Callable[[Array], Array],
@@ -26,7 +25,7 @@ def compare_episode(
     observation = np.empty(environment.observation_space.shape)
     random = np.empty(4, dtype=np.uint64)
     seed_pcg64(np.uint64(seed), random)
-    physics.reset(world, random, observation)
+    world.reset(random, observation)
     expected, _ = environment.reset(seed=seed)
     assert observation.tolist() == expected.tolist()
     steps, done = 0, False
@@ -34,7 +33,7 @@ def compare_episode(
         outputs = policy(observation)
         discrete = isinstance(space, gymnasium.spaces.Discrete)
         action = int(np.argmax(outputs)) if discrete else outputs.astype(space.dtype)
-        reward, terminated = physics.step(world, outputs, observation)
+        reward, terminated = world.step(outputs, observation)
         expected, expected_reward, end, limit, _ = environment.step(action)
         assert observation.tolist() == expected.tolist()
         assert (reward, terminated) == (float(expected_reward), end)

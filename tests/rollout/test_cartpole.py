@@ -24,9 +24,9 @@ def test_equal_to_gymnasium_at_every_step() -> None:
         lambda _: np.zeros(2): [0, 2**32, 2**64 - 1],  # a tie pushes to the left
     }.items():
         for seed in seeds:
-            compare_episode(cartpole, world, environment, seed, policy)
+            compare_episode(world, environment, seed, policy)
     for seed in range(30):
-        steps = compare_episode(cartpole, world, environment, seed, balance)
+        steps = compare_episode(world, environment, seed, balance)
         assert steps == 500, "to the limit of steps"
-        steps = compare_episode(cartpole, world, environment, seed, drift)
+        steps = compare_episode(world, environment, seed, drift)
         assert steps < 500 and abs(world.state[0]) > cartpole.POSITION_LIMIT, "out of bounds"

@@ -32,9 +32,9 @@ def test_equal_to_gymnasium_at_every_step() -> None:
         lambda observation: np.tanh(random.normal(size=(3, 11)) @ observation): range(30),
     }.items():
         for seed in seeds:
-            compare_episode(hopper, simulation.world, environment, seed, policy)
+            compare_episode(simulation.world, environment, seed, policy)
     for seed in range(4):
-        steps = compare_episode(hopper, simulation.world, environment, seed, stand)
+        steps = compare_episode(simulation.world, environment, seed, stand)
         assert steps == 1000, "to the limit of steps"
 
 
@@ -43,10 +43,10 @@ def test_an_episode_depends_on_nothing_beside_it() -> None:
     simulation, other = hopper.Simulation(), hopper.Simulation()
     environment = gymnasium.make("Hopper-v4")
     observation = np.empty(11)
-    hopper.reset(other.world, np.array([1, 2, 3, 5], dtype=np.uint64), observation)
+    other.world.reset(np.array([1, 2, 3, 5], dtype=np.uint64), observation)
 
     def disturbed(observed: Array) -> Array:
-        hopper.step(other.world, np.ones(3), observation)
+        other.world.step(np.ones(3), observation)
         return stand(observed)
 
-    assert compare_episode(hopper, simulation.world, environment, 5, disturbed) == 1000
+    assert compare_episode(simulation.world, environment, 5, disturbed) == 1000
