@@ -50,8 +50,8 @@ class Line(NamedTuple):
 class Table:
     """A table of the paper, made from a campaign's records. A notebook shows it as HTML."""
 
-    name: str
-    """table1: the stem of its files."""
+    number: int
+    """In the paper."""
     caption: str
     columns: tuple[str, ...]
     lines: tuple[Line, ...]
@@ -62,6 +62,11 @@ class Table:
     configuration: Configuration
     sources: tuple[Source, ...]
     """The records behind it."""
+
+    @property
+    def name(self) -> str:
+        """The stem of its files: table1."""
+        return f"table{self.number}"
 
     def write(self, folder: Path) -> None:
         """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""
@@ -75,13 +80,15 @@ class Table:
         write_sidecar(path, self.configuration, self.sources)
 
     def latex(self) -> str:
-        """A table environment for \\input; it needs the package booktabs."""
+        """A table for \\input, numbered as in the paper; it needs the package booktabs."""
         return "\n".join(
             [
                 "\\begin{table}[tbp]",
+                f"  \\renewcommand{{\\thetable}}{{{self.number}}}",
                 "  \\centering",
                 f"  \\caption{{{_latex(self.caption)}}}",
                 f"  \\label{{tab:{self.name}}}",
+                "  \\medskip",
                 f"  \\begin{{tabular}}{{l{'c' * len(self.columns)}}}",
                 "    \\toprule",
                 "    " + " & ".join(["Task", *map(_latex, self.columns)]) + " \\\\",
@@ -117,7 +124,7 @@ def table1(campaign: Campaign) -> Table:
         "equal means are marked alike, and a shared first place leaves no runner-up. The "
         "configurations are those of Table 3."
     )
-    return _table("table1", title, _value, campaign)
+    return _table(1, title, _value, campaign)
 
 
 def table3(campaign: Campaign) -> Table:
@@ -128,7 +135,7 @@ def table3(campaign: Campaign) -> Table:
         "best final-generation fitness over seeds (of equal means the smaller population, then "
         "the smaller rate)."
     )
-    return _table("table3", title, _setting, campaign)
+    return _table(3, title, _setting, campaign)
 
 
 def describe_budget(configuration: Configuration) -> str:
@@ -150,7 +157,7 @@ def task_label(task: str) -> str:
     return TASK_LABELS.get(task, task.replace("_", " ").title())
 
 
-def _table(name: str, title: str, entry: Callable[[Summary], Entry], campaign: Campaign) -> Table:
+def _table(number: int, title: str, entry: Callable[[Summary], Entry], campaign: Campaign) -> Table:
     """A table whose entries are printed by `entry`."""
     configuration = campaign.configuration
     comparisons = best_fitness(campaign)
@@ -171,7 +178,7 @@ def _table(name: str, title: str, entry: Callable[[Summary], Entry], campaign: C
             Line("paper", tuple(entry(each.paper) for each in row), is_paper=True),
         ]
     return Table(
-        name=name,
+        number=number,
         caption=f"{title} {describe_budget(configuration)}",
         columns=tuple(METHOD_LABELS[method] for method in METHODS),
         lines=tuple(lines),
@@ -222,8 +229,8 @@ def _latex_line(line: Line) -> str:
     commands = {"best": "\\textbf{%s}", "runner-up": "\\underline{%s}", "": "%s"}
     label = f"\\quad {line.label}" if line.is_paper else _latex(line.label)
     cells = [label, *(commands[rank] % _latex(text) for text, rank in line.entries)]
-    size = "\\footnotesize " if line.is_paper else ""
-    return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\"
+    size, gap = ("\\footnotesize ", " \\addlinespace") if line.is_paper else ("", "")
+    return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\" + gap
 
 
 def _latex(text: str) -> str:
