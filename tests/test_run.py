@@ -1,0 +1,238 @@
+"""Runs and blocks: whatever interrupts them, the record is that of an undisturbed run."""
+
+import dataclasses
+import fcntl
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from neol import checkpoint
+from neol.errors import UserError
+from neol.evolution import Generation
+from neol.records import Record, SeedInfo, read_record
+from neol.rollout.reference import ReferenceEngine
+from neol.run import OnGeneration, run_block, run_seed
+from neol.spec import RunSpec
+from tests.test_evolution import evolve, run_spec
+
+SPEC = run_spec(generations=4)
+
+
+def block(output: Path, spec: RunSpec = SPEC, seeds: tuple[int, ...] = (0, 1), **kw: Any) -> Record:
+    return run_block(spec, seeds, output, engine="reference", **kw)
+
+
+def result(record: Record) -> object:
+    """A record without costs and provenance: what must not depend on anything but the spec."""
+    timeless: list[dict[str, Any]] = [
+        info.model_dump(exclude={"wall_seconds", "cpu_seconds", "provenance", "engine"})
+        for info in record.seeds
+    ]
+    return record.spec, record.table.to_pydict(), timeless
+
+
+def killer(seed: int, generation: int, error: type[BaseException]) -> OnGeneration:
+    """Stops a block after a generation of a seed."""
+
+    def stop(current: int, done: Generation) -> None:
+        if (current, done.generation) == (seed, generation):
+            raise error
+
+    return stop
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.rglob("*"))
+
+
+def test_a_seed_is_its_evolution() -> None:
+    engine = ReferenceEngine(SPEC.task)
+    made, evolution = run_seed(SPEC, engine), evolve(SPEC)
+    assert made.history == evolution.history
+    assert made.digest == evolution.digest
+    assert made.held_out_returns.tolist() == evolution.held_out_returns(engine).tolist()
+    assert made.champion.connections.tolist() == evolution.champion().connections.tolist()
+    assert made.engine == "reference"
+    engine.close()
+
+
+def test_a_block_is_its_seeds(tmp_path: Path) -> None:
+    told: list[tuple[int, int]] = []
+    record = block(
+        tmp_path / "a" / "run.parquet",
+        seeds=(3, 1),
+        budget="smoke",
+        on_generation=lambda seed, done: told.append((seed, done.generation)),
+    )
+    assert told == [(seed, generation) for seed in (1, 3) for generation in (1, 2, 3, 4)]
+    assert record.seeds[1].digest == evolve(record.spec_of(3)).digest
+    assert record.budget == "smoke"
+    read = read_record(tmp_path / "a" / "run.parquet", SPEC)
+    assert result(read) == result(record)
+    assert names(tmp_path / "a") == ["run.parquet"]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_stopped_after_any_generation_resumes_exactly(
+    error: type[BaseException], tmp_path: Path
+) -> None:
+    undisturbed = result(block(tmp_path / "whole.parquet"))
+    output = tmp_path / "run.parquet"
+    for seed in (0, 1):
+        for generation in (1, 2, 3, 4):
+            with pytest.raises(error):
+                block(output, resume=True, on_generation=killer(seed, generation, error))
+            assert not output.exists()
+            saved = checkpoint.load(
+                tmp_path / "run.parquet.partial" / f"seed_{seed:06}.npz",
+                SPEC.model_copy(update={"seed": seed}),
+            )[0]
+            assert saved.generation == generation
+    assert result(block(output, resume=True)) == undisturbed
+    assert names(tmp_path) == ["run.parquet", "whole.parquet"]
+
+
+def test_checkpoints_come_as_often_as_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    saved: list[int] = []
+    monkeypatch.setattr(checkpoint, "save", lambda _path, run, _cost: saved.append(run.generation))
+    block(tmp_path / "run.parquet", run_spec(generations=7), seeds=(0,), checkpoint_every=3)
+    assert saved == [3, 6]
+
+
+def test_costs_add_up_over_resumptions(tmp_path: Path) -> None:
+    output = tmp_path / "run.parquet"
+    with pytest.raises(KeyboardInterrupt):
+        block(output, seeds=(0,), on_generation=killer(0, 3, KeyboardInterrupt))
+    path = tmp_path / "run.parquet.partial" / "seed_000000.npz"
+    evolution, cost = checkpoint.load(path, SPEC)
+    checkpoint.save(path, evolution, dataclasses.replace(cost, wall_seconds=1000.0))
+    info: SeedInfo = block(output, seeds=(0,), resume=True).seeds[0]
+    assert info.wall_seconds > 1000.0
+
+
+def test_a_finished_block_is_left_as_it_is(tmp_path: Path) -> None:
+    output = tmp_path / "run.parquet"
+    block(output)
+    before = output.read_bytes()
+    block(output, resume=True, on_generation=killer(0, 1, AssertionError))
+    assert output.read_bytes() == before
+    with pytest.raises(UserError, match=r"run\.parquet: exists already; remove it or choose"):
+        block(output)
+    with pytest.raises(UserError, match=r"holds the seeds \[0, 1\], not \[0, 2\]"):
+        block(output, seeds=(0, 2), resume=True)
+    with pytest.raises(UserError, match="population is 8 there and 9 here"):
+        block(output, run_spec(generations=4, population=9), resume=True)
+    assert names(tmp_path) == ["run.parquet"]
+
+
+def test_interrupted_work_is_neither_lost_nor_mixed(tmp_path: Path) -> None:
+    output = tmp_path / "run.parquet"
+    with pytest.raises(KeyboardInterrupt):
+        block(output, on_generation=killer(1, 2, KeyboardInterrupt))
+    kept = ["lock", "run.parquet.partial", "seed_000000.parquet", "seed_000001.npz"]
+    assert names(tmp_path) == kept
+    with pytest.raises(
+        UserError, match=r"holds an interrupted run; go on with --resume, or remove"
+    ):
+        block(output)
+    with pytest.raises(UserError, match=r"seed_000000\.parquet: of another specification: neat\."):
+        block(output, run_spec("oja", 0, "neat.elitism=1", generations=4), resume=True)
+    assert names(tmp_path) == kept
+
+
+def test_a_block_killed_before_it_could_clean_up(tmp_path: Path) -> None:
+    output = tmp_path / "run.parquet"
+    with pytest.raises(KeyboardInterrupt):
+        block(output, on_generation=killer(1, 2, KeyboardInterrupt))
+    block(tmp_path / "other.parquet")
+    (tmp_path / "other.parquet").rename(output)
+    (tmp_path / "run.parquet.partial" / ".seed_000001.npz.tmp").write_bytes(b"half a file")
+    block(output, resume=True, on_generation=killer(0, 1, AssertionError))
+    assert names(tmp_path) == ["run.parquet"]
+
+
+def test_two_processes_do_not_run_the_same_block(tmp_path: Path) -> None:
+    partial = tmp_path / "run.parquet.partial"
+    partial.mkdir()
+    with (partial / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        with pytest.raises(UserError, match="another process is running this"):
+            block(tmp_path / "run.parquet")
+    assert block(tmp_path / "run.parquet").seeds[0].seed == 0
+
+
+def test_an_impossible_output_is_said_before_simulating(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for output in (tmp_path / "file" / "run.parquet", Path("/proc/neol/run.parquet")):
+        with pytest.raises(UserError, match="cannot be made"):
+            block(output, on_generation=killer(0, 1, AssertionError))
+
+
+# --- Environments that misbehave ----------------------------------------------------------------
+
+
+class Treacherous(gymnasium.Env[Any, Any]):
+    """Ends well for half of the seeds; for the others something becomes NaN at the third step."""
+
+    action_space = gymnasium.spaces.Discrete(2)
+    observation_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), np.float64)
+
+    def __init__(self, poison: str = "observation") -> None:
+        self.poison = poison
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        super().reset(seed=seed)
+        self.left = 6
+        self.bad = self.np_random.random() < 0.5
+        return self._observation(), {}
+
+    def step(self, action: Any) -> Any:
+        self.left -= 1
+        observation, reward = self._observation(), float(action == 1)
+        if self.bad and self.left == 3:
+            if self.poison == "observation":
+                observation[1] = np.nan
+            else:
+                reward = np.nan
+        return observation, reward, self.left == 0, False, {}
+
+    def _observation(self) -> Any:
+        return self.np_random.uniform(-1.0, 1.0, 3)
+
+
+class Image(Treacherous):
+    observation_space = gymnasium.spaces.Box(0, 255, (8, 8, 3), np.uint8)
+
+
+for name, kind, settings in (
+    ("NaNObservation-v0", Treacherous, {"poison": "observation"}),
+    ("NaNReward-v0", Treacherous, {"poison": "reward"}),
+    ("Image-v0", Image, {}),
+):
+    gymnasium.register(name, kind, kwargs=settings, max_episode_steps=10)
+
+
+@pytest.mark.parametrize("environment", ["NaNObservation-v0", "NaNReward-v0"])
+def test_nan_is_counted_and_the_run_goes_on(environment: str, tmp_path: Path) -> None:
+    spec = run_spec(task=f"gym:{environment}", generations=4)
+    record = block(tmp_path / "run.parquet", spec, seeds=(0,))
+    failed = record.table["failed_evaluations"].to_pylist()
+    assert 0 < failed[0] < 8 < failed[3] < 32
+    assert failed == sorted(failed)
+    for column in record.table.columns:
+        assert np.isfinite(column.to_numpy()).all()
+    best = record.table["best_fitness"].to_numpy()
+    assert ((best >= 0) & (best <= 6)).all()
+    assert result(read_record(tmp_path / "run.parquet", spec)) == result(record)
+
+
+def test_an_image_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    spec = run_spec(task="gym:Image-v0")
+    with pytest.raises(UserError, match=r"Image-v0 observes .*a network needs a flat Box"):
+        block(tmp_path / "run.parquet", spec)
+    assert names(tmp_path) == []
