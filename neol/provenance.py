@@ -34,7 +34,7 @@ def provenance() -> Provenance:
     """Of a run that finishes now, in this process."""
     commit, dirty = _checkout()
     return Provenance(
-        versions={"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
+        versions={"python": platform.python_version(), **{p: package_version(p) for p in PACKAGES}},
         commit=commit,
         dirty=dirty,
         host=platform.node(),
@@ -45,7 +45,8 @@ def provenance() -> Provenance:
     )
 
 
-def _version(package: str) -> str | None:
+def package_version(package: str) -> str | None:
+    """Of an installed package; None where it is not installed."""
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:

@@ -260,6 +260,13 @@ class Configuration(Model):
     methods: dict[MethodName, Method]
     budget: Budget
 
+    def check_names(self, task: str, method: str) -> None:
+        """Raise UserError unless both are known; `task` may be `gym:ID`."""
+        if task not in self.tasks and not task.startswith("gym:"):
+            raise UserError(f'unknown task "{task}"{hint(task, [*self.tasks, "gym:ID"])}')
+        if method not in self.methods:
+            raise UserError(f'unknown method "{method}"{hint(method, self.methods)}')
+
     def run_spec(
         self,
         *,
@@ -276,10 +283,7 @@ class Configuration(Model):
 
         Raises UserError for whatever is not allowed.
         """
-        if task not in self.tasks and not task.startswith("gym:"):
-            raise UserError(f'unknown task "{task}"{hint(task, [*self.tasks, "gym:ID"])}')
-        if method not in self.methods:
-            raise UserError(f'unknown method "{method}"{hint(method, self.methods)}')
+        self.check_names(task, method)
         chosen = self.methods[method]
         if chosen.rule == "none" and learning_rate is not None:
             raise UserError(
@@ -290,9 +294,14 @@ class Configuration(Model):
             raise UserError(
                 f"{method} needs a learning rate (budget {self.budget.name} has {grid})"
             )
+        constants = {} if task in self.tasks else _gymnasium_constants(task)
+        if task not in self.tasks and "max_steps" not in constants:
+            raise UserError(
+                f"{task}: Gymnasium sets it no limit of steps; give one (--max-steps 1000)"
+            )
         try:
             return RunSpec(
-                task=self.tasks.get(task) or Task(name=task, **_gymnasium_constants(task)),
+                task=self.tasks.get(task) or Task(name=task, **constants),
                 method=method,
                 population=population,
                 generations=generations,

@@ -127,6 +127,7 @@ def test_any_gymnasium_environment_is_a_task():
     [
         ({"task": "hoper"}, 'unknown task "hoper", did you mean "hopper"? (allowed: cartpole, '),
         ({"task": "gym:Acrobat-v1"}, 'task "gym:Acrobat-v1": Environment `Acrobat` doesn\'t exist'),
+        ({"task": "gym:Blackjack-v1"}, "gym:Blackjack-v1: Gymnasium sets it no limit of steps"),
         ({"task": "gym:"}, 'task "gym:": Malformed environment ID'),
         (
             {"method": "heb"},
