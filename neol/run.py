@@ -127,7 +127,9 @@ def run_block(
     record is returned as it is; without it, neither may be there.
     Raises UserError where something is in the way, before anything is simulated.
     """
-    partial = output.with_name(f"{output.name}.partial")
+    if output.is_dir():
+        raise UserError(f"{output}: is a folder; name a file in it")
+    partial = partial_folder(output)
     if not resume:
         _refuse_existing(output, partial)
     with _claim(partial):
@@ -151,6 +153,11 @@ def run_block(
         for leftover in partial.glob("seed_*"):
             leftover.unlink()
     return record
+
+
+def partial_folder(output: Path) -> Path:
+    """Where a block keeps what it has until its output is complete."""
+    return output.with_name(f"{output.name}.partial")
 
 
 def _seed_record(

@@ -1,0 +1,276 @@
+"""The command line. Heavy modules are imported by the commands that need them."""
+
+import contextlib
+import re
+import signal
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
+
+import typer
+from typer.core import TyperGroup
+
+from neol.errors import UserError
+
+if TYPE_CHECKING:
+    from neol.records import Record
+
+MAX_SEEDS = 10_000
+DEFAULT_BUDGET = "paper"
+"""Its constants are those of config/base.yaml."""
+
+
+class Commands(TyperGroup):
+    """Ends in one line and exit code 2 for whatever is wrong with the input."""
+
+    def main(self, *args: Any, **extra: Any) -> NoReturn:
+        """Run a command and exit."""
+        extra["standalone_mode"] = False
+        try:
+            status = super().main(*args, **extra)
+        except UserError as error:
+            _complain(str(error))
+            status = 2
+        except typer.TyperException as error:
+            _complain(f"{error.format_message()} (neol COMMAND --help says more)")
+            status = error.exit_code
+        sys.exit(status or 0)
+
+
+app = typer.Typer(
+    cls=Commands,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    epilog="Exit codes: 0 done, 1 a bug of ours, 2 wrong input, 130 interrupted, 143 terminated.",
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from neol.provenance import package_version
+
+        print(f"neol {package_version('neol') or '(not installed)'}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def neol(
+    context: typer.Context,
+    version: Annotated[  # noqa: ARG001
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Its number.")
+    ] = False,
+) -> None:
+    """NEOL: NEAT with reward-gated online plasticity, reproduced from seeded runs."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def _examples(*lines: str) -> str:
+    """An epilog whose lines stay as they are."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
+
+
+Budget = Annotated[
+    str | None, typer.Option(help="Whose constants hold: smoke, desk or paper (as base.yaml).")
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Any other constant; may be repeated."),
+]
+
+
+@app.command(
+    epilog=_examples(
+        "neol run --task cartpole --method neat --population 50 --generations 10 \\",
+        "    --output a.parquet",
+        "neol run --task hopper --method oja --population 50 --learning-rate 0.0025 \\",
+        "    --generations 20 --seed 3 --output b.parquet",
+        "neol run --task gym:Acrobot-v1 --method bcm --population 20 --learning-rate 0.25 \\",
+        "    --generations 5 --seed 0-4 --set neat.elitism=1 --resume --output c.parquet",
+    )
+)
+def run(
+    task: Annotated[
+        str,
+        typer.Option(
+            help="cartpole, lunar_lander, hopper, bipedal_walker, or gym:ID of any other."
+        ),
+    ],
+    method: Annotated[str, typer.Option(help="neat, neat_wo, hebb, oja or bcm.")],
+    population: Annotated[int, typer.Option(help="P, at least 2.")],
+    generations: Annotated[int, typer.Option(help="G, at least 1.")],
+    output: Annotated[Path, typer.Option(help="The record: a Parquet file that does not exist.")],
+    learning_rate: Annotated[
+        float | None, typer.Option(help="eta, for hebb, oja and bcm only.")
+    ] = None,
+    seed: Annotated[str, typer.Option(help="One or several: 3, 0-4 or 0,3,7.")] = "0",
+    episodes: Annotated[int | None, typer.Option(help="N: episodes of an evaluation.")] = None,
+    max_steps: Annotated[
+        int | None, typer.Option(help="T_max: steps of an episode at most.")
+    ] = None,
+    reward_scale: Annotated[float | None, typer.Option(help="beta.")] = None,
+    weight_mutation: Annotated[
+        str | None, typer.Option(help="WM_MODE: off, config or a probability.")
+    ] = None,
+    write_back: Annotated[
+        bool | None, typer.Option("--write-back/--no-write-back", help="Inherit learned weights.")
+    ] = None,
+    budget: Budget = None,
+    overrides: Overrides = None,
+    engine: Annotated[
+        Literal["auto", "fast", "reference"], typer.Option(help="All give the same bits.")
+    ] = "auto",
+    workers: Annotated[int, typer.Option(min=1, help="Any number gives the same bits.")] = 1,
+    checkpoint_every: Annotated[
+        int, typer.Option(min=1, help="Generations between checkpoints.")
+    ] = 10,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on where an interrupted run stopped, if one did.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but errors.")] = False,
+) -> None:
+    """Run one configuration with one or several seeds and write their record."""
+    seeds = parse_seeds(seed)
+    options = {
+        f"tasks.{task}.max_steps": max_steps,
+        "evaluation.episodes": episodes,
+        "plasticity.reward_scale": reward_scale,
+        f"methods.{method}.weight_mutation": weight_mutation,
+        "plasticity.write_back": None if write_back is None else str(write_back).lower(),
+    }
+
+    from neol.spec import load_configuration
+
+    budget_name, overrides = budget or DEFAULT_BUDGET, overrides or []
+    load_configuration(budget_name, overrides).check_names(task, method)
+    overrides += [f"{key}={value}" for key, value in options.items() if value is not None]
+    spec = load_configuration(budget_name, overrides).run_spec(
+        task=task,
+        method=method,
+        population=population,
+        learning_rate=learning_rate,
+        generations=generations,
+        seed=seeds[0],
+    )
+    finished = output.exists()
+
+    from neol.progress import Progress
+    from neol.run import run_block
+
+    with _interruptible(output), contextlib.ExitStack() as stack:
+        progress = None if quiet else stack.enter_context(Progress(seeds, generations))
+        record = run_block(
+            spec,
+            seeds,
+            output,
+            engine=engine,
+            workers=workers,
+            checkpoint_every=checkpoint_every,
+            resume=resume,
+            budget=budget,
+            on_generation=progress,
+        )
+    if not quiet:
+        _summarise(output, record, finished)
+
+
+@app.command(epilog=_examples("neol digest a.parquet"))
+def digest(record: Annotated[Path, typer.Argument(help="A record.")]) -> None:
+    """Print each seed of a record and the digest of its trajectory."""
+    from neol.records import read_record
+
+    for info in read_record(record).seeds:
+        print(info.seed, info.digest)
+
+
+@app.command(
+    epilog=_examples(
+        "neol config --budget desk", "neol config --set neat.elitism=3", "neol config --schema"
+    )
+)
+def config(
+    budget: Budget = None,
+    overrides: Overrides = None,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of a configuration file.")
+    ] = False,
+) -> None:
+    """Print a budget's resolved configuration as YAML."""
+    import json
+
+    import yaml
+
+    from neol import spec
+
+    if schema:
+        print(json.dumps(spec.schema(), indent=2))
+        return
+    configuration = spec.load_configuration(budget or DEFAULT_BUDGET, overrides or [])
+    content = configuration.model_dump(
+        mode="json", exclude={"tasks": {"__all__": {"name"}}, "budget": {"name"}}
+    )
+    print(yaml.safe_dump(content, sort_keys=False), end="")
+
+
+def parse_seeds(text: str) -> list[int]:
+    """The seeds of "3", "0-4" or "0,3,7-9", sorted. Raises UserError."""
+    seeds: list[int] = []
+    for part in text.split(","):
+        match = re.fullmatch(r"(\d{1,18})(?:-(\d{1,18}))?", part.strip())
+        if match is None:
+            raise UserError(f"--seed {text}: give integers from 0 as 3, 0-4 or 0,3,7")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if not 0 <= last - first < MAX_SEEDS:
+            raise UserError(f"--seed {text}: {part} is not a range of 1 to {MAX_SEEDS} seeds")
+        seeds.extend(range(first, last + 1))
+    if len(set(seeds)) < len(seeds):
+        raise UserError(f"--seed {text}: names a seed twice")
+    return sorted(seeds)
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, taken as an interrupt."""
+
+
+@contextlib.contextmanager
+def _interruptible(output: Path) -> Iterator[None]:
+    """Make SIGTERM and Ctrl-C end the run in one line that says how to go on."""
+    from neol.run import partial_folder
+
+    def terminate(_signal: int, _frame: FrameType | None) -> NoReturn:
+        raise Terminated
+
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    except KeyboardInterrupt as stop:
+        partial = partial_folder(output)
+        way_on = (
+            f"what is done is kept in {partial}, the same command with --resume goes on from there"
+            if partial.exists()
+            else "no generation was done yet, so nothing is kept"
+        )
+        terminated = isinstance(stop, Terminated)
+        _complain(f"{'terminated' if terminated else 'interrupted'}: {way_on}")
+        raise typer.Exit(143 if terminated else 130) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _summarise(output: Path, record: "Record", finished: bool) -> None:
+    print(f"{output}: {'complete already, nothing to do' if finished else 'written'}")
+    for info in record.seeds:
+        held_out = info.held_out
+        mean = "failed" if held_out.mean is None else f"{held_out.mean:.1f}"
+        spread = "" if held_out.sd is None else f" ± {held_out.sd:.1f}"
+        print(
+            f"seed {info.seed}: best {info.champion.fitness:.1f}, champion in "
+            f"{len(held_out.returns)} held-out episodes {mean}{spread}, digest {info.digest}"
+        )
+
+
+def _complain(line: str) -> None:
+    print(f"neol: {line}", file=sys.stderr)

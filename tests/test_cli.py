@@ -1,0 +1,358 @@
+"""The command line: what it prints, what it refuses, and how it ends."""
+
+import json
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from typer.testing import CliRunner, Result
+
+from neol import cli
+from neol import run as runs
+from neol.cli import app, parse_seeds
+from neol.errors import UserError
+from neol.evolution import Generation
+from neol.progress import Progress
+from neol.records import read_record
+from neol.spec import RunSpec, load_configuration
+from tests.test_evolution import evolve
+from tests.test_run import killer, names, result
+
+TINY = (
+    "--task cartpole --method oja --population 6 --learning-rate 0.25 --generations 3 "
+    "--engine reference --set evaluation.held_out_episodes=3 --max-steps 40 "
+)
+
+
+def neol(arguments: str) -> Result:
+    return CliRunner().invoke(app, shlex.split(arguments))
+
+
+def refused(arguments: str) -> str:
+    """The one line that a command with wrong input prints."""
+    outcome = neol(arguments)
+    assert outcome.exit_code == 2
+    assert outcome.stdout == ""
+    assert outcome.stderr.startswith("neol: ")
+    assert outcome.stderr.count("\n") == 1
+    return outcome.stderr
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+# --- Running ------------------------------------------------------------------------------------
+
+
+def test_run_writes_the_record_and_sums_it_up(tmp_path: Path) -> None:
+    outcome = neol(f"run {TINY} --seed 3 --output a.parquet")
+    assert outcome.exit_code == 0
+    record = read_record(tmp_path / "a.parquet")
+    assert record.budget is None
+    (info,) = record.seeds
+    assert info.digest == evolve(record.spec).digest
+    first, second = outcome.stdout.splitlines()
+    assert first == "a.parquet: written"
+    assert second == (
+        f"seed 3: best {info.champion.fitness:.1f}, champion in 3 held-out episodes "
+        f"{info.held_out.mean:.1f} ± {info.held_out.sd:.1f}, digest {info.digest}"
+    )
+    assert names(tmp_path) == ["a.parquet"]
+
+
+def test_digest_prints_a_line_per_seed(tmp_path: Path) -> None:
+    neol(f"run {TINY} --seed 0,2 --output a.parquet")
+    record = read_record(tmp_path / "a.parquet")
+    lines = [f"{info.seed} {info.digest}" for info in record.seeds]
+    assert neol("digest a.parquet").stdout.splitlines() == lines
+    assert [line[:2] for line in lines] == ["0 ", "2 "]
+
+
+def test_quiet_says_nothing() -> None:
+    outcome = neol(f"run {TINY} --quiet --output a.parquet")
+    assert (outcome.exit_code, outcome.output) == (0, "")
+
+
+def specification(
+    arguments: str, monkeypatch: pytest.MonkeyPatch
+) -> tuple[RunSpec, dict[str, Any]]:
+    """What a command would run, without running it."""
+    called: list[tuple[RunSpec, dict[str, Any]]] = []
+
+    def pretend(spec: RunSpec, seeds: list[int], output: Path, **settings: Any) -> Any:
+        called.append((spec, {"seeds": seeds, "output": output, **settings}))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runs, "run_block", pretend)
+    assert neol(arguments).exit_code == 130
+    return called[0]
+
+
+def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    spec, settings = specification(
+        "run --task hopper --method bcm --population 50 --learning-rate 0.0025 --generations 20 "
+        "--seed 4-6 --output b.parquet --episodes 2 --max-steps 77 --reward-scale 0.5 "
+        "--weight-mutation 0.3 --no-write-back --workers 2 --checkpoint-every 5 --resume "
+        "--engine reference --set neat.elitism=1 --set network.sum_limit=9 --budget smoke",
+        monkeypatch,
+    )
+    assert (spec.task.name, spec.task.max_steps, spec.method) == ("hopper", 77, "bcm")
+    assert (spec.population, spec.generations) == (50, 20)
+    assert (spec.plasticity.rule, spec.plasticity.learning_rate) == ("bcm", 0.0025)
+    assert (spec.plasticity.reward_scale, spec.plasticity.write_back) == (0.5, False)
+    assert (spec.neat.weight_mutation, spec.neat.elitism) == (0.3, 1)
+    assert (spec.evaluation.episodes, spec.evaluation.held_out_episodes) == (2, 5)
+    assert spec.network.sum_limit == 9
+    del settings["on_generation"]
+    assert settings == {
+        "seeds": [4, 5, 6],
+        "output": Path("b.parquet"),
+        "engine": "reference",
+        "workers": 2,
+        "checkpoint_every": 5,
+        "resume": True,
+        "budget": "smoke",
+    }
+
+
+def test_without_options_the_configuration_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    arguments = (
+        "run --task hopper --method neat --population 50 --generations 20 --output b.parquet"
+    )
+    spec, _ = specification(arguments, monkeypatch)
+    cell = {"task": "hopper", "method": "neat", "population": 50, "learning_rate": None}
+    assert spec == load_configuration("paper").run_spec(**cell, generations=20, seed=0)
+
+
+@pytest.mark.parametrize("command", ["run", "digest", "config"])
+def test_the_examples_of_the_help_work(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = neol(f"{command} --help").stdout.replace("\\\n", " ")
+    examples = re.findall(r"^ +neol (.*)$", page, re.MULTILINE)
+    assert examples
+    for example in examples:
+        if command == "run":
+            specification(example, monkeypatch)
+        else:
+            if command == "digest":
+                neol(f"run {TINY} --output a.parquet")
+            assert neol(example).exit_code == 0
+
+
+def test_help_and_version() -> None:
+    assert "Exit codes: 0 done" in neol("--help").stdout
+    assert neol("").stdout == neol("--help").stdout
+    assert re.fullmatch(r"neol (\d+\.\d+\.\d+|\(not installed\))\n", neol("--version").stdout)
+
+
+def test_help_needs_nothing_heavy() -> None:
+    script = (
+        "import sys; from neol.cli import app\n"
+        "try: app(['run', '--help'])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'numpy', 'numba', 'gymnasium', 'mujoco', 'pyarrow', 'pandas', 'matplotlib'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    root = Path(cli.__file__).parent.parent
+    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, cwd=root)
+
+
+def test_config_is_a_configuration_that_reads_back() -> None:
+    printed = neol("config --budget desk --set neat.elitism=3").stdout
+    content = yaml.safe_load(printed)
+    assert content["neat"]["elitism"] == 3
+    assert content["budget"]["generations"] == load_configuration("desk").budget.generations
+    assert content["methods"]["oja"]["weight_mutation"] == "off"
+    schema = json.loads(neol("config --schema").stdout)
+    assert set(content) <= set(schema["properties"])
+
+
+@pytest.mark.parametrize(
+    ("text", "seeds"),
+    [("3", [3]), ("0-4", [0, 1, 2, 3, 4]), ("7,0,3", [0, 3, 7]), ("0-1,5", [0, 1, 5])],
+)
+def test_seeds(text: str, seeds: list[int]) -> None:
+    assert parse_seeds(text) == seeds
+
+
+@pytest.mark.parametrize("text", ["", "a", "-1", "1-", "3,,4", "2-1", "1,1", "0-999999999", "1.5"])
+def test_wrong_seeds(text: str) -> None:
+    with pytest.raises(UserError, match=re.escape(f"--seed {text}: ")):
+        parse_seeds(text)
+
+
+# --- Wrong input --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ("--task cartpol", 'unknown task "cartpol", did you mean "cartpole"?'),
+        ("--method ojja --weight-mutation off", 'unknown method "ojja", did you mean "oja"?'),
+        ("--budget dsk", 'unknown budget "dsk", did you mean "desk"?'),
+        ("--population 0", "population = 0: must be"),
+        ("--population 1", "population = 1: must be"),
+        ("--learning-rate -0.1", "learning_rate = -0.1: must be"),
+        ("--learning-rate nan", "learning_rate = nan: must be"),
+        ("--generations 0", "generations = 0: must be"),
+        ("--method neat", "neat does not learn online, leave it out"),
+        ("--seed x", "--seed x: give integers"),
+        ("--episodes 0", "evaluation.episodes = 0: must be"),
+        ("--max-steps 0", "tasks.cartpole.max_steps = 0: must be"),
+        ("--weight-mutation 2", "must be 'off', 'config' or a probability"),
+        ("--set neat.elitsm=1", 'did you mean "elitism"?'),
+        ("--set neat.elitism", "write it as key=value"),
+        ("--population many", "Invalid value for '--population'"),
+        ("--engine quick", "Invalid value for '--engine'"),
+        ("--workers 0", "Invalid value for '--workers'"),
+        ("--loud", "No such option: --loud"),
+        ("--task gym:Nope-v0", "Environment `Nope` doesn't exist"),
+        ("--task gym:Image-v0", "Image-v0 observes Box(0, 255, (8, 8, 3), uint8); a network needs"),
+        ("--output file/a.parquet", "file/a.parquet.partial: cannot be made (Not a directory)"),
+        ("--output .", ".: is a folder; name a file in it"),
+    ],
+)
+def test_wrong_input_of_run(change: str, line: str, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    assert line in refused(f"run {TINY} --output a.parquet {change}")
+    assert names(tmp_path) == ["file"]
+
+
+def test_wrong_commands() -> None:
+    assert "No such command 'rum'" in refused("rum")
+    assert "Missing option '--task'" in refused("run")
+    assert "Missing argument" in refused("digest")
+    assert 'unknown budget "x"' in refused("config --budget x")
+
+
+def test_records_that_are_none(tmp_path: Path) -> None:
+    assert "none.parquet: cannot be read (No such file" in refused("digest none.parquet")
+    (tmp_path / "a.parquet").write_bytes(b"hello")
+    assert "a.parquet: damaged or no record of neol's" in refused("digest a.parquet")
+
+
+def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:
+    command = f"run {TINY} --output a.parquet"
+    neol(command)
+    before = (tmp_path / "a.parquet").read_bytes()
+    assert "a.parquet: exists already; remove it or choose" in refused(command)
+    again = neol(f"{command} --resume")
+    assert again.exit_code == 0
+    assert again.stdout.startswith("a.parquet: complete already, nothing to do\nseed 0: best")
+    assert "of another specification" in refused(f"{command} --resume --population 7")
+    assert (tmp_path / "a.parquet").read_bytes() == before
+
+
+def test_an_environment_that_returns_nan_does_not_stop_a_run(tmp_path: Path) -> None:
+    assert neol(f"run {TINY} --task gym:NaNReward-v0 --output a.parquet").exit_code == 0
+    assert read_record(tmp_path / "a.parquet").table["failed_evaluations"][-1].as_py() > 0
+
+
+# --- Interruption -------------------------------------------------------------------------------
+
+
+def test_an_interrupt_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    command = f"run {TINY} --output a.parquet"
+    with monkeypatch.context() as patch:
+        patch.setattr(Progress, "__call__", lambda _, *told: killer(0, 2, KeyboardInterrupt)(*told))
+        stopped = neol(command)
+    assert stopped.exit_code == 130
+    line = stopped.stderr.splitlines()[-1]
+    assert line.startswith("neol: interrupted: what is done is kept in a.parquet.partial")
+    assert "--resume" in line
+    assert "a.parquet.partial: holds an interrupted run; go on with --resume" in refused(command)
+    assert neol(f"{command} --resume").exit_code == 0
+    neol(f"run {TINY} --output whole.parquet")
+    assert result(read_record(tmp_path / "a.parquet")) == result(
+        read_record(tmp_path / "whole.parquet")
+    )
+
+
+def start(arguments: str, folder: Path) -> subprocess.Popen[str]:
+    root = Path(cli.__file__).parent.parent
+    return subprocess.Popen(
+        [sys.executable, "-m", "neol", *shlex.split(arguments)],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(root)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("sent", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signals_keep_a_checkpoint(sent: signal.Signals, status: int, tmp_path: Path) -> None:
+    endless = f"run {TINY} --seed 0-1 --generations 100000 --checkpoint-every 1 --output a.parquet"
+    process = start(endless, tmp_path)
+    kept = tmp_path / "a.parquet.partial" / "seed_000000.npz"
+    while not kept.exists() and process.poll() is None:
+        time.sleep(0.02)
+    process.send_signal(sent)
+    stdout, stderr = process.communicate(timeout=60)
+    assert process.returncode == status
+    assert stdout == ""
+    assert "Traceback" not in stderr
+    assert re.fullmatch(
+        r"neol: (interrupted|terminated): .* kept in a\.parquet\.partial, .* --resume .*",
+        stderr.splitlines()[-1],
+    )
+    assert names(tmp_path) == ["a.parquet.partial", "lock", "seed_000000.npz"]
+
+
+@pytest.mark.slow
+def test_piped_output_is_plain_lines(tmp_path: Path) -> None:
+    process = start(f"run {TINY} --seed 0,1 --output a.parquet", tmp_path)
+    stdout, stderr = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert "\x1b" not in stdout + stderr
+    first, *_, last = stderr.splitlines()
+    assert first.startswith("seed 0 (1 of 2)  generation 1/3  best ")
+    assert last.startswith("seed 1 (2 of 2)  generation 3/3  best ")
+    assert last.endswith(" steps/s  0:00 left")
+    assert stdout.startswith("a.parquet: written\n")
+
+
+# --- Progress -----------------------------------------------------------------------------------
+
+
+def generation(number: int, env_steps: int) -> Generation:
+    return Generation(number, 200.0, 51.25, 1.0, 8, env_steps, 3, 2.0, 8.0, 2, 8, 0.0, 0)
+
+
+def test_progress_lines(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter([100.0, 102.0, 104.0, 106.0])
+    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
+    with Progress([3, 8], 3) as progress:
+        progress(3, generation(1, 500))
+        progress(3, generation(2, 2500))  # 2 s after the first: not shown
+        progress(3, generation(3, 4500))  # nor this
+        progress(8, generation(1, 2000))
+    assert capsys.readouterr().err.splitlines() == [
+        "seed 3 (1 of 2)  generation 1/3  best 200.0  mean 51.2  species 3",
+        "seed 8 (2 of 2)  generation 1/3  best 200.0  mean 51.2  species 3  "
+        "1,000 steps/s  0:04 left",
+    ]
+
+
+def test_the_last_line_always_comes(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter([100.0, 102.0])
+    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
+    with Progress([3], 5) as progress:
+        progress(3, generation(1, 500))
+        progress(3, generation(2, 900))
+    _, last = capsys.readouterr().err.splitlines()
+    assert last.endswith("generation 2/5  best 200.0  mean 51.2  species 3  200 steps/s  0:06 left")
