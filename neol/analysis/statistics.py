@@ -1,0 +1,219 @@
+"""Statistics over seeds: tests, effect sizes, bootstrap intervals. The seed of a run is the unit.
+
+Samples are float64[n], one value a run; a bootstrap draws from an explicit generator. Too little
+data gives NaN, never a guess.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+Floats = npt.NDArray[np.float64]
+Effect = Callable[..., Floats]
+"""Of samples with seeds along the last axis: float64[..., n_1], float64[..., n_2], ... -> [...]."""
+
+RESAMPLES = 2000
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A value with its interval; NaN where the samples do not give one."""
+
+    value: float
+    low: float
+    high: float
+
+
+# --- Tests --------------------------------------------------------------------------------------
+
+
+def rank_sum(sample: npt.ArrayLike, against: npt.ArrayLike) -> float:
+    """p-value of the one-sided Wilcoxon rank-sum test: does `sample` tend to larger values?
+
+    `scipy.stats.mannwhitneyu`: normal approximation with corrections for ties and continuity, exact
+    for 8 seeds or fewer without ties. (`scipy.stats.ranksums` corrects for neither.) It is the one
+    that prints the paper's Tables 5 and 6: see `paper_statistic`. 1 where all values are equal.
+    """
+    sample, against = np.asarray(sample, dtype=np.float64), np.asarray(against, dtype=np.float64)
+    if not len(sample) or not len(against):
+        return math.nan
+    if len(np.unique(np.concatenate([sample, against]))) == 1:
+        return 1.0
+    return float(stats.mannwhitneyu(sample, against, alternative="greater").pvalue)
+
+
+def paper_statistic(p: float, digits: int, seeds: int = 30) -> int | None:
+    """The Mann-Whitney U above its mean whose two-sided p-value prints as `p` (so many digits).
+
+    For every p-value of Tables 5 and 6 but CartPole's, which has ties, there is exactly one at 30
+    against 30 seeds. So the paper prints two-sided p-values, twice those that its captions name.
+    """
+    mean, sd = seeds**2 / 2, math.sqrt(seeds**2 * (2 * seeds + 1) / 12)
+    u = np.arange(math.ceil(mean), seeds**2 + 1)
+    two_sided = 2 * stats.norm.sf((u - mean - 0.5) / sd)
+    found = [int(each) for each, value in zip(u, two_sided, strict=True) if _same(value, p, digits)]
+    return found[0] if len(found) == 1 else None
+
+
+def holm(p_values: Sequence[float]) -> Floats:
+    """Holm's adjusted p-values of a family (Holm 1979); NaN is not of the family."""
+    p = np.asarray(p_values, dtype=np.float64)
+    adjusted = np.full(p.shape, np.nan)
+    order = [index for index in np.argsort(p) if not math.isnan(p[index])]
+    steps = p[order] * np.arange(len(order), 0, -1)
+    adjusted[order] = np.minimum(1.0, np.maximum.accumulate(steps))
+    return adjusted
+
+
+# --- Effects ------------------------------------------------------------------------------------
+
+
+def superiority(sample: Floats, against: Floats) -> Floats:
+    """A12: probability that a run of `sample` beats one of `against` (Vargha and Delaney 2000).
+
+    Ties count half.
+    """
+    ours, theirs = sample[..., :, None], against[..., None, :]
+    return np.asarray(((ours > theirs) + 0.5 * (ours == theirs)).mean(axis=(-2, -1)))
+
+
+def mean_superiority(*pairs: Floats) -> Floats:
+    """Probability of improvement (Agarwal et al. 2021): mean A12 of pairs of samples, one a task."""
+    each = [superiority(*pair) for pair in zip(pairs[::2], pairs[1::2], strict=True)]
+    return np.asarray(np.mean(each, axis=0))
+
+
+def interquartile_mean(*samples: Floats) -> Floats:
+    """Mean of the middle half of all runs of all tasks (IQM; Agarwal et al. 2021)."""
+    return np.asarray(stats.trim_mean(np.concatenate(samples, axis=-1), 0.25, axis=-1))
+
+
+def mean_difference(sample: Floats, against: Floats) -> Floats:
+    """Difference of the means."""
+    return np.asarray(sample.mean(axis=-1) - against.mean(axis=-1))
+
+
+def sd_difference(sample: Floats, against: Floats) -> Floats:
+    """Difference of the standard deviations (n - 1)."""
+    return np.asarray(sample.std(axis=-1, ddof=1) - against.std(axis=-1, ddof=1))
+
+
+def median_difference(sample: Floats, against: Floats) -> Floats:
+    """Difference of the medians."""
+    return np.asarray(np.median(sample, axis=-1) - np.median(against, axis=-1))
+
+
+def iqr_difference(sample: Floats, against: Floats) -> Floats:
+    """Difference of the interquartile ranges: the boxes of a boxplot."""
+    return np.asarray(stats.iqr(sample, axis=-1) - stats.iqr(against, axis=-1))
+
+
+def outlier_difference(sample: Floats, against: Floats) -> Floats:
+    """Difference of the shares of low outliers: runs below a boxplot's lower whisker."""
+    return low_outliers(sample) - low_outliers(against)
+
+
+def low_outliers(sample: Floats) -> Floats:
+    """Share of runs more than 1.5 interquartile ranges below the first quartile."""
+    first, third = np.quantile(sample, [0.25, 0.75], axis=-1, keepdims=True)
+    return np.asarray((sample < first - 1.5 * (third - first)).mean(axis=-1))
+
+
+def performance_profile(thresholds: npt.ArrayLike) -> Effect:
+    """Effect: share of runs above each threshold, tasks weighing the same (Agarwal et al. 2021)."""
+    tau = np.asarray(thresholds, dtype=np.float64)
+
+    def shares(*samples: Floats) -> Floats:
+        each = [(sample[..., None, :] > tau[:, None]).mean(axis=-1) for sample in samples]
+        return np.asarray(np.mean(each, axis=0))
+
+    return shares
+
+
+# --- Intervals ----------------------------------------------------------------------------------
+
+
+def bootstrap(
+    effect: Effect,
+    samples: Sequence[Floats],
+    random: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> Floats:
+    """Effects of resampled runs, float64[resamples, ...]: each sample is a stratum of its own."""
+    drawn = [
+        sample[random.integers(len(sample), size=(resamples, len(sample)))] for sample in samples
+    ]
+    return effect(*drawn)
+
+
+def interval(
+    replicates: Floats, seeds: int, confidence: float = 0.95
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Expanded percentile interval of replicates, along their first axis (Hesterberg 2015).
+
+    For few seeds the plain percentile interval is too narrow: by about t sqrt(n / (n - 1)) / z for
+    a mean. Quantiles further out by that factor mend it. `seeds` is n, of the smallest sample; NaN
+    below two.
+    """
+    if seeds < 2:
+        nothing = np.full(replicates.shape[1:], np.nan)
+        return nothing, nothing
+    t = stats.t.ppf((1 + confidence) / 2, seeds - 1) * math.sqrt(seeds / (seeds - 1))
+    tail = float(stats.norm.sf(t))
+    low, high = np.quantile(replicates, [tail, 1 - tail], axis=0)
+    return low, high
+
+
+def estimate(
+    effect: Effect,
+    samples: Sequence[npt.ArrayLike],
+    random: np.random.Generator,
+    *,
+    confidence: float = 0.95,
+    resamples: int = RESAMPLES,
+) -> Estimate:
+    """An effect with its stratified bootstrap interval. All NaN where a sample is empty."""
+    arrays = [np.asarray(sample, dtype=np.float64) for sample in samples]
+    seeds = min(len(array) for array in arrays)
+    if not seeds:
+        return Estimate(math.nan, math.nan, math.nan)
+    value = float(effect(*arrays))
+    if seeds < 2:
+        return Estimate(value, math.nan, math.nan)
+    low, high = interval(bootstrap(effect, arrays, random, resamples), seeds, confidence)
+    return Estimate(value, float(low), float(high))
+
+
+def mean_interval(values: Floats, confidence: float = 0.95) -> tuple[Floats, Floats]:
+    """Student's interval of the mean over the last axis; NaN below two values."""
+    n = values.shape[-1]
+    mean = values.mean(axis=-1)
+    if n < 2:
+        return np.full_like(mean, np.nan), np.full_like(mean, np.nan)
+    half = stats.t.ppf((1 + confidence) / 2, n - 1) * values.std(axis=-1, ddof=1) / math.sqrt(n)
+    return mean - half, mean + half
+
+
+# --- Power --------------------------------------------------------------------------------------
+
+
+def seeds_needed(superiority: float, *, alpha: float = 0.05, power: float = 0.8) -> float:
+    """Seeds per method with which the one-sided rank-sum test finds an effect A12 (Noether 1987).
+
+    (z_alpha + z_power)^2 / (6 (A12 - 1/2)^2), rounded up; infinite for no effect, NaN for an
+    unknown one. An approximation, best for shifts of moderate size.
+    """
+    if math.isnan(superiority):
+        return math.nan
+    if superiority == 0.5:
+        return math.inf
+    z = stats.norm.isf(alpha) + stats.norm.isf(1 - power)
+    return float(math.ceil(z**2 / (6 * (superiority - 0.5) ** 2)))
+
+
+def _same(value: float, printed: float, digits: int) -> bool:
+    return float(f"{value:.{digits - 1}e}") == printed
