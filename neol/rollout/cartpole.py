@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
+from neol.rollout.episodes import Batch, play_batch
 from neol.rollout.pcg64 import State, uniform
 
 Array = npt.NDArray[np.float64]
@@ -50,16 +51,22 @@ class World(NamedTuple):
         )
         acceleration = temp - POLE_MASS_LENGTH * angular_acceleration * cos / TOTAL_MASS
         x += SECONDS * x_dot
-        x_dot += SECONDS * acceleration
         theta += SECONDS * theta_dot
-        theta_dot += SECONDS * angular_acceleration
-        self.state[:] = (x, x_dot, theta, theta_dot)
+        self.state[0] = x
+        self.state[1] = x_dot + SECONDS * acceleration
+        self.state[2] = theta
+        self.state[3] = theta_dot + SECONDS * angular_acceleration
         for i in range(4):
             observation[i] = np.float32(self.state[i])
         terminated = (
             x < -POSITION_LIMIT or x > POSITION_LIMIT or theta < -ANGLE_LIMIT or theta > ANGLE_LIMIT
         )
         return 1.0, terminated
+
+    @kernel
+    def play(self, batch: Batch) -> None:
+        """Let a batch of networks play their episodes here."""
+        play_batch(self, batch)
 
 
 class Simulation:

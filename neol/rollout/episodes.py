@@ -1,7 +1,8 @@
 """Algorithm 2 in compiled code: networks play episodes of a world and learn in them.
 
-A world is a NamedTuple of numbers and arrays with two kernels as methods (see `World`); numba
-compiles `play` once for each class of worlds, with the world's methods inlined.
+A world is a NamedTuple of numbers and arrays with kernels as methods (see `World`). The loop is
+written once, here, and compiled into the `play` of each class of worlds with its `reset` and
+`step` inlined; each of these has its cache beside its own class, and loads nothing of the others.
 """
 
 import math
@@ -10,9 +11,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import numpy.typing as npt
 from numba import types
-from numba.extending import overload_method
+from numba.extending import overload_method, register_jitable
 
-from neol.kernel import kernel
 from neol.network import forward
 from neol.plasticity import learn
 from neol.rollout.pcg64 import State, seed_pcg64
@@ -22,13 +22,16 @@ Integers = npt.NDArray[np.int64]
 
 
 class World(Protocol):
-    """An environment in compiled code: a NamedTuple with these two kernels as methods."""
+    """An environment in compiled code: a NamedTuple with these kernels as methods."""
 
     def reset(self, random: State, observation: Floats) -> None:
         """Begin an episode with draws from a random stream and write the first observation."""
 
     def step(self, outputs: Floats, observation: Floats) -> tuple[float, bool]:
         """Act by a network's outputs: reward, and whether the episode ended."""
+
+    def play(self, batch: "Batch") -> None:
+        """Let a batch of networks play their episodes: play_batch(self, batch)."""
 
 
 @overload_method(types.BaseNamedTuple, "reset")
@@ -44,7 +47,7 @@ def _step(self, outputs, observation):  # type: ignore[no-untyped-def]  # noqa: 
 
 
 class Batch(NamedTuple):
-    """What `play` reads, then what it writes: the fields of those who know them by these names."""
+    """What `play_batch` reads and then what it writes; comments name where a field is explained."""
 
     # neol.network.Networks
     inputs: int
@@ -72,16 +75,18 @@ class Batch(NamedTuple):
     failed: npt.NDArray[np.bool_]
 
 
-@kernel
-def play(world: World, batch: Batch) -> None:
+@register_jitable
+def play_batch(world: World, batch: Batch) -> None:
     """Let every network of a batch play its episodes in a world, one after the other."""
     for genome in range(len(batch.seeds)):
         first, last = batch.node_offset[genome], batch.node_offset[genome + 1]
         begin, end = batch.edge_offset[first], batch.edge_offset[last]
         for episode in range(batch.seeds.shape[1]):
             if not batch.write_back:
-                batch.weight[begin:end] = batch.inherited_weight[begin:end]
-            batch.threshold[first:last] = 0.0
+                for edge in range(begin, end):
+                    batch.weight[edge] = batch.inherited_weight[edge]
+            for node in range(first, last):
+                batch.threshold[node] = 0.0
             seed = batch.seeds[genome, episode]
             total, steps = play_episode(world, batch, first, last, seed)
             batch.returns[genome, episode] = total
@@ -91,7 +96,7 @@ def play(world: World, batch: Batch) -> None:
                 break
 
 
-@kernel
+@register_jitable
 def play_episode(
     world: World, batch: Batch, first: int, last: int, seed: np.uint64
 ) -> tuple[float, int]:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from neol.foreign import address, call_void
 from neol.kernel import kernel
+from neol.rollout.episodes import Batch, play_batch
 from neol.rollout.pcg64 import State, uniform
 
 Array = npt.NDArray[np.float64]
@@ -72,6 +73,11 @@ class World(NamedTuple):
         reward = speed + HEALTHY_REWARD - CONTROL_COST * squares
         observe(self, observation)
         return reward, not is_healthy(self)
+
+    @kernel
+    def play(self, batch: Batch) -> None:
+        """Let a batch of networks play their episodes here."""
+        play_batch(self, batch)
 
 
 @kernel

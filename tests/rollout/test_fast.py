@@ -1,0 +1,179 @@
+"""The fast engine against the reference engine: the same bits, whatever plays and learns."""
+
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from neol.network import ACTIVATIONS, Networks
+from neol.plasticity import RULES
+from neol.rollout import Engine, Rollouts, make_engine
+from neol.rollout.fast import FastEngine, fast_engine
+from neol.rollout.parallel import ThreadedEngine
+from neol.rollout.reference import ReferenceEngine, network_size
+from neol.spec import Plasticity, Task, load_configuration
+from tests.networks import random_networks
+from tests.rollout.test_hopper import STANDING
+
+CONFIGURATION = load_configuration("paper")
+MAX_STEPS = {
+    "cartpole": 60,
+    "hopper": 60,
+    "lunar_lander": 120,
+    "bipedal_walker": 30,
+    "bipedal_walker_hardcore": 20,
+}
+"""Limits that some episodes reach and that keep the reference engine's part short."""
+
+
+def task_of(name: str) -> Task:
+    return CONFIGURATION.tasks[name].model_copy(update={"max_steps": MAX_STEPS[name]})
+
+
+@cache
+def fast(task: Task) -> Engine:
+    engine = fast_engine(task)
+    if isinstance(engine, str):
+        pytest.skip(engine)
+    return engine
+
+
+def plasticity_of(rule: str, **changes: object) -> Plasticity:
+    constants = CONFIGURATION.plasticity.model_dump() | {"rule": rule, "learning_rate": 0.25}
+    return Plasticity(**(constants | changes))
+
+
+def seeds_of(population: int, episodes: int) -> npt.NDArray[np.uint64]:
+    random = np.random.default_rng(0)
+    return random.integers(2**64, size=(population, episodes), dtype=np.uint64)
+
+
+def assert_same(actual: Rollouts, expected: Rollouts) -> None:
+    for part in ("returns", "steps", "weight", "threshold", "failed"):
+        assert np.array_equal(getattr(actual, part), getattr(expected, part), equal_nan=True), part
+
+
+def cases() -> Iterator[tuple[int, Plasticity, dict[str, object]]]:
+    """Every rule with write-back on and off, among them weights that run to their limits."""
+    for number, rule in enumerate(RULES):
+        for write_back in (True, False):
+            yield number, plasticity_of(rule, write_back=write_back), {}
+    for number, rule in enumerate(RULES, start=4):
+        activation = list(ACTIVATIONS)[number % 4]
+        saturating = plasticity_of(rule, learning_rate=500.0)
+        yield number, saturating, {"activation": activation, "weight_sd": 4.0}
+        yield number, plasticity_of(rule), {"hidden": 0}
+        yield number, plasticity_of(rule), {"hidden": 30, "activation": activation}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MAX_STEPS)
+def test_equal_to_the_reference_engine(name: str) -> None:
+    """320 episodes: 20 kinds of networks and plasticity, 8 networks each, 2 episodes in turn."""
+    engine = fast(task_of(name))
+    reference = ReferenceEngine(task_of(name))
+    inputs, outputs = network_size(task_of(name))
+    at_limit, saturated = 0, 0
+    for number, plasticity, kind in cases():
+        random = np.random.default_rng(number)
+        networks = random_networks(random, 8, inputs, outputs, **kind)  # type: ignore[arg-type]
+        seeds = seeds_of(8, 2)
+        rollouts = engine.evaluate(networks, seeds, plasticity)
+        assert_same(rollouts, reference.evaluate(networks, seeds, plasticity))
+        at_limit += (rollouts.steps == MAX_STEPS[name]).sum()
+        saturated += (abs(rollouts.weight) == plasticity.weight_limit).sum()
+    assert at_limit > 0
+    assert saturated > 100
+
+
+HOVERING = np.array(
+    [
+        [0, 0, 0, 0, 0, 0, 0, 0],
+        [0.25, 0, 0.5, 0, -0.5, -1, 0, 0],
+        [0, -0.5, 0, -0.5, 0, 0, 0, 0],
+        [-0.25, 0, -0.5, 0, 0.5, 1, 0, 0],
+    ]
+)
+
+
+def heuristic(name: str) -> Networks:
+    """A linear controller that lasts to the task's own limit: it balances, hovers or kneels."""
+    weight, bias = {
+        "cartpole": (np.array([[0, 0, 0, 0], [0.1, 0.3, 1, 0.3]]), [0.0] * 2),
+        "hopper": (STANDING, [0.0] * 3),
+        "lunar_lander": (HOVERING, [0.05, 0, 0.3, 0]),
+        "bipedal_walker": (np.zeros((4, 24)), [-0.5] * 4),
+        "bipedal_walker_hardcore": (np.zeros((4, 24)), [-0.5] * 4),
+    }[name]
+    outputs, inputs = weight.shape
+    return Networks(
+        inputs=inputs,
+        outputs=outputs,
+        activation=ACTIVATIONS["tanh"],
+        sum_limit=50.0,
+        node_offset=np.array([0, outputs]),
+        bias=np.array(bias),
+        edge_offset=inputs * np.arange(outputs + 1),
+        source=np.tile(np.arange(inputs), outputs),
+        weight=weight.ravel(),
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MAX_STEPS)
+def test_equal_to_the_end_of_whole_episodes(name: str) -> None:
+    """Up to the paper's own limit of steps, with each rule."""
+    task = CONFIGURATION.tasks[name]
+    reference, network, seeds = ReferenceEngine(task), heuristic(name), seeds_of(1, 2)
+    for rule in RULES:
+        plasticity = plasticity_of(rule, learning_rate=0.025)
+        rollouts = fast(task).evaluate(network, seeds, plasticity)
+        assert_same(rollouts, reference.evaluate(network, seeds, plasticity))
+        assert rule != "none" or rollouts.steps.tolist() == [[task.max_steps] * 2]
+
+
+@pytest.mark.parametrize("name", MAX_STEPS)
+def test_neither_order_nor_neighbours_matter(name: str) -> None:
+    engine = fast(task_of(name))
+    inputs, outputs = network_size(task_of(name))
+    networks = random_networks(np.random.default_rng(1), 40, inputs, outputs)
+    seeds, plasticity = seeds_of(40, 2), plasticity_of("bcm")
+    whole = engine.evaluate(networks, seeds, plasticity)
+    for index in np.random.default_rng(2).permutation(40):
+        alone = engine.evaluate(
+            networks.slice(index, index + 1), seeds[index : index + 1], plasticity
+        )
+        assert_same(alone, part_of(whole, networks, index))
+    for workers in (2, 4):
+        assert_same(ThreadedEngine(engine, workers).evaluate(networks, seeds, plasticity), whole)
+
+
+def part_of(rollouts: Rollouts, networks: Networks, index: int) -> Rollouts:
+    edges = slice(*networks.edge_bounds[index : index + 2])
+    nodes = slice(*networks.node_offset[index : index + 2])
+    return Rollouts(
+        returns=rollouts.returns[index : index + 1],
+        steps=rollouts.steps[index : index + 1],
+        weight=rollouts.weight[edges],
+        threshold=rollouts.threshold[nodes],
+        failed=rollouts.failed[index : index + 1],
+    )
+
+
+def test_a_failure_ends_its_network_alone() -> None:
+    task = task_of("cartpole")
+    networks = random_networks(np.random.default_rng(3), 6, 4, 2, hidden=0)
+    networks.weight[:8] = np.nan
+    seeds = seeds_of(6, 2)
+    expected = ReferenceEngine(task).evaluate(networks, seeds, plasticity_of("oja"))
+    assert expected.failed.tolist() == [True] + [False] * 5
+    assert_same(fast(task).evaluate(networks, seeds, plasticity_of("oja")), expected)
+
+
+def test_the_choice_of_an_engine() -> None:
+    task = task_of("cartpole")
+    assert isinstance(make_engine(task), FastEngine)
+    assert isinstance(make_engine(task, "reference"), ReferenceEngine)
+    assert isinstance(fast_engine(task.model_copy(update={"environment": "Acrobot-v1"})), str)
