@@ -20,7 +20,7 @@ class Progress:
     def __init__(self, seeds: Sequence[int], generations: int) -> None:
         self._seeds = seeds
         self._generations = generations
-        self._console = Console(stderr=True, highlight=False, soft_wrap=True)
+        self._console = Console(stderr=True, highlight=False)
         self._live = Live(console=self._console, transient=True)
         self._line = ""
         self._waiting = False
@@ -65,7 +65,7 @@ class Progress:
             self._print()
 
     def _print(self) -> None:
-        self._console.print(self._line, markup=False)
+        self._console.print(self._line, markup=False, soft_wrap=True)
         self._waiting = False
 
     def _describe(self, seed: int, generation: Generation, seconds: float) -> str:

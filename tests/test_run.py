@@ -236,3 +236,14 @@ def test_an_image_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"Image-v0 observes .*a network needs a flat Box"):
         block(tmp_path / "run.parquet", spec)
     assert names(tmp_path) == []
+
+
+@pytest.mark.slow
+def test_engine_and_workers_show_in_no_record(tmp_path: Path) -> None:
+    records = [
+        run_block(
+            SPEC, (0, 1), tmp_path / f"{engine}{workers}.parquet", engine=engine, workers=workers
+        )
+        for engine, workers in (("reference", 1), ("reference", 2), ("auto", 1), ("auto", 2))
+    ]
+    assert [result(record) for record in records[1:]] == [result(records[0])] * 3
