@@ -3,7 +3,7 @@
 import html
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from string import ascii_lowercase
@@ -26,6 +26,10 @@ TASK_LABELS = {
 }
 METHOD_LABELS = {"bcm": "BCM", "hebb": "Hebb", "oja": "Oja", "neat": "NEAT"}
 NOTHING = "--"
+_MEANS: dict[str, Callable[[Comparison], float]] = {
+    "here": lambda comparison: comparison.here.mean,
+    "paper": lambda comparison: comparison.paper.mean,
+}
 
 # --- Tables -------------------------------------------------------------------------------------
 
@@ -57,8 +61,8 @@ class Table:
     lines: tuple[Line, ...]
     notes: tuple[str, ...]
     """What is incomplete, each beginning with its mark in the table."""
-    frame: pd.DataFrame
-    """A row for each task and method, at full precision."""
+    comparisons: tuple[Comparison, ...]
+    """A row of the CSV each."""
     configuration: Configuration
     sources: tuple[Source, ...]
     """The records behind it."""
@@ -67,6 +71,12 @@ class Table:
     def name(self) -> str:
         """The stem of its files: table1."""
         return f"table{self.number}"
+
+    @property
+    def frame(self) -> pd.DataFrame:
+        """A row for each task and method, at full precision; the paper's have `paper_` in front."""
+        frame = pd.DataFrame([_flat(each) for each in self.comparisons])
+        return frame.astype({"population": "Int64", "paper_population": "Int64"})
 
     def write(self, folder: Path) -> None:
         """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""
@@ -138,6 +148,19 @@ def table3(campaign: Campaign) -> Table:
     return _table(3, title, _setting, campaign)
 
 
+def lead_over_neat(comparisons: Sequence[Comparison]) -> pd.DataFrame:
+    """How far each rule's mean is above NEAT's, here and in the paper: a row for each task."""
+    rows = {}
+    for task in dict.fromkeys(each.task for each in comparisons):
+        row = {each.method: each for each in comparisons if each.task == task}
+        rows[task_label(task)] = {
+            (METHOD_LABELS[method], place): mean(row[method]) - mean(row["neat"])
+            for method in METHODS[:-1]
+            for place, mean in _MEANS.items()
+        }
+    return pd.DataFrame.from_dict(rows, orient="index").round(2)
+
+
 def describe_budget(configuration: Configuration) -> str:
     """A budget in a sentence or two, for captions."""
     budget, episodes = configuration.budget, configuration.evaluation.episodes
@@ -183,9 +206,7 @@ def _table(number: int, title: str, entry: Callable[[Summary], Entry], campaign:
         columns=tuple(METHOD_LABELS[method] for method in METHODS),
         lines=tuple(lines),
         notes=tuple(f"{mark} {reason}." for reason, mark in marks.items()),
-        frame=pd.DataFrame([_flat(each) for each in comparisons]).astype(
-            {"population": "Int64", "paper_population": "Int64"}
-        ),
+        comparisons=tuple(comparisons),
         configuration=configuration,
         sources=tuple(
             source
@@ -197,7 +218,6 @@ def _table(number: int, title: str, entry: Callable[[Summary], Entry], campaign:
 
 
 def _flat(comparison: Comparison) -> dict[str, object]:
-    """A row of the CSV: the paper's columns have `paper_` in front."""
     return {
         "task": comparison.task,
         "method": comparison.method,
