@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy.typing as npt
 
 from neol.network import Networks
 from neol.plasticity import RULES
+from neol.rollout.box2d import library as box2d
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, World
 from neol.spec import Plasticity, Task
@@ -84,6 +86,13 @@ def fast_engine(task: Task) -> Engine | str:
         from neol.rollout import hopper
 
         make_simulation = hopper.Simulation
+    elif task.environment in box2d.TASKS:
+        library = box2d.load()
+        if isinstance(library, str):
+            return library
+        from neol.rollout.box2d import environment
+
+        make_simulation = partial(environment.Simulation, library, task.environment)
     else:
         return "only the reference engine knows it"
     return FastEngine(make_simulation, task.max_steps)
