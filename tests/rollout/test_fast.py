@@ -177,3 +177,5 @@ def test_the_choice_of_an_engine() -> None:
     assert isinstance(make_engine(task), FastEngine)
     assert isinstance(make_engine(task, "reference"), ReferenceEngine)
     assert isinstance(fast_engine(task.model_copy(update={"environment": "Acrobot-v1"})), str)
+    walker = task_of("bipedal_walker").model_copy(update={"fresh_world": False})
+    assert "fresh world" in str(fast_engine(walker))
