@@ -82,7 +82,7 @@ def superiority(sample: Floats, against: Floats) -> Floats:
 
 
 def mean_superiority(*pairs: Floats) -> Floats:
-    """Probability of improvement (Agarwal et al. 2021): mean A12 of pairs of samples, one a task."""
+    """Probability of improvement (Agarwal et al. 2021): mean A12 of pairs, one per task."""
     each = [superiority(*pair) for pair in zip(pairs[::2], pairs[1::2], strict=True)]
     return np.asarray(np.mean(each, axis=0))
 

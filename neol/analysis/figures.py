@@ -1,0 +1,246 @@
+"""The paper's Figures 2 to 11, drawn from plain tables.
+
+`runs` has a row for each run: task, method, population, learning_rate (NaN for a method without),
+seed, and its outcomes. `curves` has a row for each generation of a run.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize, to_rgba
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
+
+from neol.analysis.labels import METHODS, task_label
+from neol.analysis.statistics import mean_interval
+from neol.analysis.style import COLOUR_MAP, GREY, STYLES, WIDTH, drawing, footer
+
+Floats = npt.NDArray[np.float64]
+
+
+def convergence(
+    curves: pd.DataFrame, *, tasks: Sequence[str], methods: Sequence[str], seeds: int, note: str
+) -> Figure:
+    """Figures 2 and 3: best fitness over generations, and boxplots of the final one.
+
+    One cell for each task and method; the lines are means over seeds with Student's 95% interval.
+    """
+    with drawing():
+        figure = Figure(figsize=(WIDTH, 1.55 * WIDTH / max(len(tasks), 3) + 1.3))
+        axes = figure.subplots(2, len(tasks), squeeze=False)
+        missing = []
+        for column, task in enumerate(tasks):
+            here = curves[curves["task"] == task]
+            top, bottom = axes[:, column]
+            top.set_title(task_label(task))
+            samples = {}
+            for method in methods:
+                table = here[here["method"] == method].pivot_table(
+                    index="generation", columns="seed", values="best_fitness"
+                )
+                if table.shape[1] < seeds:
+                    missing.append(_missing(method, task, table.shape[1], seeds))
+                samples[method] = table.ffill().iloc[-1].to_numpy() if len(table) else np.array([])
+                _curve(top, method, table.dropna())
+            _boxes(bottom, samples, seeds)
+            top.set_xlabel("Generation")
+            top.xaxis.set_major_locator(MaxNLocator(4, integer=True))
+        axes[0, 0].set_ylabel("Best fitness (return)")
+        axes[1, 0].set_ylabel("Final best fitness (return)")
+        figure.align_ylabels(axes[:, 0])
+        handles, labels = axes[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(methods))
+        explanation = (
+            "Lines: means over seeds, bands: their 95% intervals. Boxes: quartiles, whiskers to "
+            "1.5 interquartile ranges; dots: single seeds."
+        )
+        footer(figure, "\n".join([f"{note} {explanation}", *_listed(missing)]))
+    return figure
+
+
+def heatmaps(
+    runs: pd.DataFrame,
+    *,
+    metric: str,
+    title: str,
+    methods: Sequence[str],
+    populations: Sequence[int],
+    learning_rates: Sequence[float],
+    seeds: int,
+    note: str,
+) -> Figure:
+    """Figures 4 to 11: the mean of a task's `metric` over seeds for every population and rate.
+
+    A method without a rate is a single row. All panels share one colour scale; a frame marks each
+    method's highest mean. A cell that lacks seeds is hatched and says how many it has.
+    """
+    grids = {
+        method: _grid(runs[runs["method"] == method], metric, populations, learning_rates)
+        for method in methods
+    }
+    means = np.concatenate([mean.ravel() for mean, _ in grids.values()])
+    scale = _scale(means[np.isfinite(means)])
+    with drawing():
+        figure = Figure(figsize=(WIDTH, 0.3 * len(learning_rates) + 1.3))
+        figure.suptitle(title, x=0.01, ha="left")
+        layout = figure.add_gridspec(len(learning_rates), len(methods))
+        axes = []
+        for position, method in enumerate(methods):
+            mean, count = grids[method]
+            axis = figure.add_subplot(layout[-len(mean) :, position])
+            image = axis.imshow(mean, cmap=COLOUR_MAP, norm=scale, origin="lower", aspect="auto")
+            axis.set_title(METHODS[method]).set_in_layout(len(mean) > 1)
+            axis.set_xticks(range(len(populations)), [str(each) for each in populations])
+            axis.set_xlabel("Population size")
+            rates = [f"{rate:g}" for rate in learning_rates] if position == 0 else []
+            axis.set_yticks(range(len(rates)), rates)
+            axis.tick_params(length=0)
+            axis.spines[:].set_visible(False)
+            _separate(axis, mean.shape)
+            _write_cells(axis, mean, count, seeds, scale)
+            axes.append(axis)
+        axes[0].set_ylabel("Learning rate")
+        bar = figure.colorbar(image, ax=axes, fraction=0.02, pad=0.01, aspect=14)
+        bar.outline.set_visible(False)
+        bar.locator = MaxNLocator(4)
+        lacking = sum(int((count < seeds).sum()) for _, count in grids.values())
+        explanation = "Means over seeds; a frame marks each panel's highest."
+        warning = [f"Hatched: {lacking} of {means.size} cells lack seeds."] if lacking else []
+        footer(figure, "\n".join([f"{note} {explanation}", *warning]))
+    return figure
+
+
+def _curve(axis: Axes, method: str, table: pd.DataFrame) -> None:
+    """A method's mean over seeds; `table` has a row for each generation, a column for each seed."""
+    style = STYLES[method]
+    values = table.to_numpy(dtype=float)
+    mean = values.mean(axis=1) if values.size else np.array([])
+    axis.plot(
+        table.index,
+        mean,
+        label=METHODS[method],
+        color=style.colour,
+        linestyle=style.line,
+        marker=style.marker,
+        markevery=_spaced(len(mean), list(STYLES).index(method)),
+    )
+    if values.size:
+        low, high = mean_interval(values)
+        axis.fill_between(table.index, low, high, color=style.colour, alpha=0.15, linewidth=0)
+
+
+def _spaced(points: int, method: int, markers: int = 5) -> list[int]:
+    """Where the markers of a line sit, apart from those of the other methods."""
+    if points <= 2 * markers:
+        return list(range(points))
+    step = points / markers
+    return [int(step * (marker + (method + 0.5) / len(STYLES))) for marker in range(markers)]
+
+
+def _boxes(axis: Axes, samples: Mapping[str, Floats], seeds: int) -> None:
+    for position, (method, values) in enumerate(samples.items()):
+        style = STYLES[method]
+        if not len(values):
+            axis.text(position, 0.5, "no runs", transform=axis.get_xaxis_transform(), rotation=90,
+                      ha="center", va="center", color=GREY)  # fmt: skip
+            continue
+        axis.boxplot(
+            values,
+            positions=[position],
+            widths=0.62,
+            showfliers=False,
+            patch_artist=True,
+            boxprops={"facecolor": _tint(style.colour), "edgecolor": style.colour},
+            medianprops={"color": "black", "linewidth": 1.3},
+            whiskerprops={"color": style.colour},
+            capprops={"color": style.colour},
+        )
+        spread = np.linspace(-0.22, 0.22, len(values)) if len(values) > 1 else np.zeros(1)
+        axis.scatter(position + spread, values, s=6, marker=style.marker, facecolor=style.colour,
+                     edgecolor="black", linewidth=0.25, alpha=0.85, zorder=3)  # fmt: skip
+    labels = [
+        METHODS[method].replace(" (", "\n(") + ("*" if len(values) < seeds else "")
+        for method, values in samples.items()
+    ]
+    axis.set_xticks(range(len(samples)), labels)
+    axis.set_xlim(-0.6, len(samples) - 0.4)
+
+
+def _grid(
+    runs: pd.DataFrame, metric: str, populations: Sequence[int], rates: Sequence[float]
+) -> tuple[Floats, Floats]:
+    """Mean and number of seeds: float64[rates, populations], one row where there is no rate."""
+    rows = list(rates) if runs["learning_rate"].notna().any() else [0.0]
+    by_cell = runs.assign(learning_rate=runs["learning_rate"].fillna(0.0)).groupby(
+        ["learning_rate", "population"]
+    )[metric]
+    places = pd.MultiIndex.from_product([rows, populations])
+    mean, count = by_cell.mean().reindex(places), by_cell.count().reindex(places, fill_value=0)
+    shape = len(rows), len(populations)
+    return (
+        np.asarray(mean, dtype=np.float64).reshape(shape),
+        np.asarray(count, dtype=np.float64).reshape(shape),
+    )
+
+
+def _scale(means: Floats) -> Normalize:
+    """From the lowest to the highest mean, with some width even where all are equal."""
+    if not len(means):
+        return Normalize(0, 1)
+    low, high = float(means.min()), float(means.max())
+    margin = 0.005 * max(abs(low), abs(high), 1e-9) if np.isclose(low, high) else 0.0
+    return Normalize(low - margin, high + margin)
+
+
+def _write_cells(axis: Axes, mean: Floats, count: Floats, seeds: int, scale: Normalize) -> None:
+    highest = mean == np.nanmax(mean) if np.isfinite(mean).any() else np.zeros(mean.shape, bool)
+    for (row, column), value in np.ndenumerate(mean):
+        there = int(count[row, column])
+        ink = "white" if there and scale(value) < 0.55 else "black"
+        text = _number(value) if there else "no runs"
+        if 0 < there < seeds:
+            text += f"\n{there}/{seeds}"
+        axis.text(
+            column, row, text, ha="center", va="center", fontsize=6.5, color=ink, linespacing=1
+        )
+        if there < seeds:
+            axis.add_patch(_frame(row, column, 0.5, hatch="////", edgecolor=GREY, alpha=0.6))
+        if highest[row, column] and highest.sum() == 1:
+            axis.add_patch(_frame(row, column, 0.465, edgecolor=ink, linewidth=1.1))
+
+
+def _separate(axis: Axes, shape: tuple[int, ...]) -> None:
+    rows, columns = shape
+    axis.vlines(np.arange(columns - 1) + 0.5, -0.5, rows - 0.5, color="white", linewidth=0.8)
+    axis.hlines(np.arange(rows - 1) + 0.5, -0.5, columns - 0.5, color="white", linewidth=0.8)
+
+
+def _frame(row: int, column: int, half: float, *, linewidth: float = 0, **style: Any) -> Rectangle:
+    corner = column - half, row - half
+    return Rectangle(corner, 2 * half, 2 * half, fill=False, linewidth=linewidth, **style)
+
+
+def _number(value: float) -> str:
+    """At most four characters and a sign."""
+    if not np.isfinite(value):
+        return "–"
+    digits = 0 if abs(value) >= 100 else 1 if abs(value) >= 10 else 2 if abs(value) >= 1 else 3
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
+def _tint(colour: str) -> tuple[float, float, float, float]:
+    red, green, blue, _ = to_rgba(colour)
+    return (0.3 * red + 0.7, 0.3 * green + 0.7, 0.3 * blue + 0.7, 1.0)
+
+
+def _missing(method: str, task: str, there: int, seeds: int) -> str:
+    return f"{METHODS[method]} on {task_label(task)}: {there} of {seeds} seeds"
+
+
+def _listed(missing: Sequence[str]) -> list[str]:
+    return [f"* {'; '.join(missing)}."] if missing else []

@@ -1,0 +1,92 @@
+"""How everything drawn looks: one colour, line and marker for each method, and files that repeat.
+
+The hues are the paper's (BCM blue, Hebb orange, Oja green, NEAT red) in the tints of Okabe and Ito,
+which colour-blind readers tell apart; lines and markers do the same in grey print.
+"""
+
+import io
+import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from neol.files import write_atomically
+
+WIDTH = 7.2
+"""Inches: a page's text width."""
+GREY = "0.35"
+COLOUR_MAP = "cividis"
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """How a method is drawn."""
+
+    colour: str
+    line: Any
+    marker: str
+
+
+STYLES = {
+    "bcm": Style("#0072B2", "-", "o"),
+    "hebb": Style("#E69F00", (0, (5, 1.5)), "s"),
+    "oja": Style("#009E73", (0, (5, 1.5, 1, 1.5)), "^"),
+    "neat": Style("#D55E00", (0, (1.2, 1.2)), "D"),
+    "neat_wo": Style("#7F4F9B", (0, (3, 1.2, 1, 1.2, 1, 1.2)), "v"),
+}
+
+SETTINGS: dict[Any, Any] = {
+    "font.size": 8,
+    "axes.titlesize": 8.5,
+    "figure.titlesize": 9,
+    "axes.labelsize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.7,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 3.5,
+    "hatch.linewidth": 0.5,
+    "figure.constrained_layout.use": True,
+    "figure.constrained_layout.hspace": 0.0,
+    "pdf.fonttype": 42,
+    "savefig.dpi": 200,
+}
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """Matplotlib with these settings and nobody else's."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(SETTINGS)
+        yield
+
+
+def footer(figure: Figure, text: str) -> None:
+    """A small line or two below a figure: budget, and what is missing."""
+    characters = int(figure.get_figwidth() * 21)
+    lines = [line for part in text.splitlines() for line in textwrap.wrap(part, characters)]
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=6.5, color=GREY)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write path.pdf and path.png, the same bytes for the same picture: without date or version."""
+    metadata = {
+        "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+        "png": {"Software": None},
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with drawing():
+        for kind, entries in metadata.items():
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format=kind, metadata=entries)
+            write_atomically(path.with_suffix(f".{kind}"), buffer.getvalue())
