@@ -1,14 +1,20 @@
 """How every compiled function of neol is made: one decorator, one cache."""
 
+import contextlib
 import hashlib
 import os
+import shutil
 import tempfile
+import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
+
+UNUSED_SECONDS = 30 * 24 * 3600
+"""A cache that no process has opened for so long is removed."""
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -39,16 +45,25 @@ def _cache_folder() -> Path:
 
     Numba asks only whether the file of a cached kernel has changed, not the files of the
     kernels that it calls; a folder for each state of the sources makes a stale kernel impossible.
+    Where the user's cache cannot be written, one in the system's temporary folder serves.
     """
     default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "neol"
-    folder = Path(os.environ.get("NUMBA_CACHE_DIR", default)) / f"kernels-{source_digest()}"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK):
+    temporary = Path(tempfile.gettempdir(), f"neol-{os.getuid()}")
+    for base in (Path(os.environ.get("NUMBA_CACHE_DIR", default)), temporary):
+        folder = base / f"kernels-{source_digest()}"
+        with contextlib.suppress(OSError):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            os.utime(folder)  # fails where the folder is somebody else's
+            _remove_unused(base)
             return folder
-    except OSError:
-        pass
     return Path(tempfile.mkdtemp(prefix="neol-kernels-"))
+
+
+def _remove_unused(base: Path) -> None:
+    for folder in base.glob("kernels-*"):
+        with contextlib.suppress(FileNotFoundError):  # another process was faster
+            if time.time() - folder.stat().st_mtime > UNUSED_SECONDS:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 numba.config.CACHE_DIR = str(_cache_folder())

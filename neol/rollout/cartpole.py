@@ -64,9 +64,9 @@ class World(NamedTuple):
         return 1.0, terminated
 
     @kernel
-    def play(self, batch: Batch) -> None:
-        """Let a batch of networks play their episodes here."""
-        play_batch(self, batch)
+    def play(self, batch: Batch, begin: int, end: int) -> None:
+        """Let networks begin to end of a batch play their episodes here."""
+        play_batch(self, batch, begin, end)
 
 
 class Simulation:

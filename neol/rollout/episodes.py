@@ -30,8 +30,8 @@ class World(Protocol):
     def step(self, outputs: Floats, observation: Floats) -> tuple[float, bool]:
         """Act by a network's outputs: reward, and whether the episode ended."""
 
-    def play(self, batch: "Batch") -> None:
-        """Let a batch of networks play their episodes: play_batch(self, batch)."""
+    def play(self, batch: "Batch", begin: int, end: int) -> None:
+        """Let networks begin to end of a batch play: play_batch(self, batch, begin, end)."""
 
 
 @overload_method(types.BaseNamedTuple, "reset")
@@ -76,14 +76,13 @@ class Batch(NamedTuple):
 
 
 @register_jitable
-def play_batch(world: World, batch: Batch) -> None:
-    """Let every network of a batch play its episodes in a world, one after the other."""
-    for genome in range(len(batch.seeds)):
+def play_batch(world: World, batch: Batch, begin: int, end: int) -> None:
+    """Let networks begin to end of a batch play their episodes in a world, one after the other."""
+    for genome in range(begin, end):
         first, last = batch.node_offset[genome], batch.node_offset[genome + 1]
-        begin, end = batch.edge_offset[first], batch.edge_offset[last]
         for episode in range(batch.seeds.shape[1]):
             if not batch.write_back:
-                for edge in range(begin, end):
+                for edge in range(batch.edge_offset[first], batch.edge_offset[last]):
                     batch.weight[edge] = batch.inherited_weight[edge]
             for node in range(first, last):
                 batch.threshold[node] = 0.0

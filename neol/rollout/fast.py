@@ -16,6 +16,10 @@ from neol.rollout.episodes import Batch, World
 from neol.spec import Plasticity, Task
 
 
+NETWORKS_PER_CALL = 8
+"""Python regains control after so many, so that Ctrl-C is heard within a second or two."""
+
+
 class Simulation(Protocol):
     """Owns what a world points to: the world is good for as long as its simulation lives."""
 
@@ -68,7 +72,9 @@ class FastEngine:
         )
         if not hasattr(self._of_thread, "simulation"):
             self._of_thread.simulation = self._make_simulation()
-        self._of_thread.simulation.world.play(batch)
+        for begin in range(0, len(seeds), NETWORKS_PER_CALL):
+            end = min(begin + NETWORKS_PER_CALL, len(seeds))
+            self._of_thread.simulation.world.play(batch, begin, end)
         return rollouts
 
     def close(self) -> None:

@@ -51,9 +51,9 @@ class World(NamedTuple):
         return self.reward[0], ended != 0
 
     @kernel
-    def play(self, batch: Batch) -> None:
-        """Let a batch of networks play their episodes here."""
-        play_batch(self, batch)
+    def play(self, batch: Batch, begin: int, end: int) -> None:
+        """Let networks begin to end of a batch play their episodes here."""
+        play_batch(self, batch, begin, end)
 
 
 class Simulation:
