@@ -50,7 +50,7 @@ class Line(NamedTuple):
     """The paper's own values, printed small beneath ours."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table:
     """A table of the paper, made from a campaign's records. A notebook shows it as HTML."""
 

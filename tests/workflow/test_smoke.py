@@ -1,0 +1,110 @@
+"""The smoke budget from a fresh clone to Table 1, once; then what a second call plans."""
+
+import csv
+import json
+import os
+import random
+import shutil
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import yaml
+
+from neol.analysis.choice import candidates
+from neol.campaign import blocks
+from neol.spec import load_configuration
+from tests.workflow.clone import fresh_clone, planned, snakemake
+
+pytestmark = pytest.mark.slow
+
+TARGET = "figures/table1.tex"
+CONFIGURATION = load_configuration("smoke")
+SHOWN = {cell for cells in candidates(CONFIGURATION).values() for cell in cells}
+RECORDS = {block.record: block.cell for block in blocks(CONFIGURATION) if block.cell in SHOWN}
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A fresh clone after `snakemake figures/table1.tex`."""
+    clone = fresh_clone(tmp_path_factory.mktemp("smoke") / "neol")
+    result = snakemake(clone, TARGET)
+    assert result.returncode == 0, result.stdout + result.stderr
+    return clone
+
+
+@contextmanager
+def aside(path: Path) -> Iterator[None]:
+    """Take a file or folder away for a while."""
+    kept = path.with_name(f"{path.name}.aside")
+    shutil.move(path, kept)
+    try:
+        yield
+    finally:
+        if path.is_dir():
+            shutil.rmtree(path)
+        shutil.move(kept, path)
+
+
+def test_table_1_has_a_value_for_every_task_and_method(clone: Path) -> None:
+    assert r"\begin{table}" in (clone / TARGET).read_text()
+    with (clone / "figures/table1.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 16
+    assert not any(row["incomplete"] for row in rows)
+    assert {row["seeds"] for row in rows} == {str(CONFIGURATION.budget.seeds)}
+
+
+def test_table_1_is_traced_to_its_records(clone: Path) -> None:
+    sidecar = json.loads((clone / "figures/table1.json").read_text())
+    assert {record["path"] for record in sidecar["records"]} == {str(path) for path in RECORDS}
+    head = subprocess.run(
+        ["git", "rev-parse", "HEAD"], cwd=clone, check=True, capture_output=True, text=True
+    )
+    assert sidecar["commit"] == head.stdout.strip()
+
+
+def test_the_executed_notebook_is_kept_and_its_source_untouched(clone: Path) -> None:
+    executed = json.loads((clone / "build/smoke/tables.ipynb").read_text())
+    assert any(cell.get("outputs") for cell in executed["cells"])
+    source = json.loads((clone / "notebooks/tables.ipynb").read_text())
+    assert not any(cell.get("outputs") for cell in source["cells"])
+
+
+def test_a_second_call_has_nothing_to_do(clone: Path) -> None:
+    assert planned(clone, TARGET) == {}
+    assert planned(clone, "tables") == {}
+
+
+def test_records_of_any_age_are_used_as_they_are(clone: Path) -> None:
+    """As after `git clone` of shipped records: other times, no metadata, no figures."""
+    chance = random.Random(0)
+    for path in RECORDS:
+        age = chance.uniform(0, 1e8)
+        os.utime(clone / path, (age, age))
+    with aside(clone / ".snakemake"), aside(clone / "figures"):
+        assert planned(clone, TARGET) == {"paper_tables": 1}
+
+
+def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
+    record = random.Random(1).choice(sorted(RECORDS))
+    others = planned(clone, "records")["run"]  # cells that Table 1 does not show
+    with aside(clone / record):
+        assert planned(clone, "records") == {"run": others + 1}
+        with aside(clone / "figures"):
+            assert planned(clone, TARGET) == {"run": 1, "paper_tables": 1}
+
+
+def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
+    smoke = clone / "config" / "smoke.yaml"
+    before = smoke.read_text()
+    constants = yaml.safe_load(before)
+    constants.setdefault("tasks", {})["hopper"] = {"max_steps": 77}
+    smoke.write_text(yaml.safe_dump(constants))
+    try:
+        affected = sum(cell.task == "hopper" for cell in RECORDS.values())
+        assert planned(clone, TARGET) == {"run": affected, "paper_tables": 1}
+    finally:
+        smoke.write_text(before)
