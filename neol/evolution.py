@@ -107,7 +107,7 @@ class Evolution:
         return self.history[-1]
 
     def champion(self) -> Genome:
-        """A copy of the final population's best genome, the first of equals (Algorithm 1, line 6)."""
+        """A copy of the final population's best genome, the oldest of equals (Algorithm 1)."""
         best = max(self.population, key=lambda genome: (genome.fitness, -genome.id))
         champion = best.copy(best.id)
         champion.fitness = best.fitness

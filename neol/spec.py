@@ -9,7 +9,7 @@ import hashlib
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, cast
 
 from pydantic import (
     AfterValidator,
@@ -284,7 +284,8 @@ class Configuration(Model):
         Raises UserError for whatever is not allowed.
         """
         self.check_names(task, method)
-        chosen = self.methods[method]
+        name = cast(MethodName, method)
+        chosen = self.methods[name]
         if chosen.rule == "none" and learning_rate is not None:
             raise UserError(
                 f"learning_rate = {learning_rate}: {method} does not learn online, leave it out"
@@ -302,7 +303,7 @@ class Configuration(Model):
         try:
             return RunSpec(
                 task=self.tasks.get(task) or Task(name=task, **constants),
-                method=method,
+                method=name,
                 population=population,
                 generations=generations,
                 seed=seed,

@@ -103,7 +103,7 @@ def speciate(population: Sequence[Genome], species_set: SpeciesSet, neat: Neat) 
 
     for species in species_set.species:
         species.members = []
-    for index, genome in zip(home, population, strict=True):
+    for index, genome in zip(home.tolist(), population, strict=True):
         species_set.species[index].members.append(genome)
     species_set.species = [species for species in species_set.species if species.members]
     for species in species_set.species:

@@ -15,7 +15,6 @@ from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, World
 from neol.spec import Plasticity, Task
 
-
 NETWORKS_PER_CALL = 8
 """Python regains control after so many, so that Ctrl-C is heard within a second or two."""
 

@@ -8,6 +8,7 @@ import signal
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -99,7 +100,7 @@ def _spread(
     bounds = np.linspace(0, len(networks), chunks + 1).astype(int)
     futures = [
         executor.submit(evaluate, networks.slice(begin, end), seeds[begin:end], plasticity)
-        for begin, end in zip(bounds[:-1], bounds[1:], strict=True)
+        for begin, end in pairwise(bounds)
     ]
     parts = [future.result() for future in futures]
     return Rollouts(
