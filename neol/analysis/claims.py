@@ -1,0 +1,173 @@
+"""The ledger of the paper's claims: paper/claims.yaml, decided on a budget's runs.
+
+A claim is right if all its parts are. A part's effect is signed so that the claim says "above 0":
+
+- supported: the effect's 95% interval (stratified bootstrap) lies above 0; a claim of significance:
+  the one-sided rank-sum test has p < 0.05.
+- contradicted: the interval lies at or below 0, the test is significant the other way round. As
+  one part suffices to contradict a claim, these use 0.05 divided by the number of parts.
+- undecided otherwise, and where a cell is not in the budget, lacks seeds, or has fewer than 5. No
+  fewer seeds than the paper's 30 bear out a claim of no significant difference.
+"""
+
+import json
+import math
+import zlib
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import yaml
+from pydantic import Field, ValidationError
+
+from neol.analysis.evidence import Compare, Gain, Part, Rank, Significant
+from neol.analysis.grid_evidence import Level, Peak, Sensitivity, Share, Trend
+from neol.analysis.outcomes import Outcomes
+from neol.analysis.score import PAPER_GENERATIONS
+from neol.analysis.statistics import RESAMPLES, bootstrap, interval, rank_sum
+from neol.errors import UserError
+from neol.spec import ROOT, Model
+
+CLAIMS = ROOT / "paper" / "claims.yaml"
+ALPHA = 0.05
+LEAST_SEEDS = 5
+PAPER_SEEDS = 30
+
+Test = Annotated[
+    Compare | Significant | Rank | Gain | Level | Share | Trend | Peak | Sensitivity,
+    Field(discriminator="kind"),
+]
+Verdict = Literal["supported", "contradicted", "undecided"]
+
+
+class Claim(Model):
+    """What the paper says, where, and what decides it."""
+
+    id: str
+    place: str
+    quote: str
+    reading: str | None = None
+    """How the words became a test, where that is not plain."""
+    note: str | None = None
+    """What the paper itself says against it."""
+    tests: tuple[Test, ...]
+
+
+class _Ledger(Model):
+    lists: dict[str, tuple[str, ...]]
+    """Anchors, for the file's own use."""
+    claims: tuple[Claim, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What the runs say about a part."""
+
+    part: Part
+    verdict: Verdict
+    reason: str = ""
+    """Why undecided, where not for the interval."""
+    effect: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    """The 95% interval."""
+    p: float = math.nan
+    """One-sided, for a claim about significance."""
+    seeds: int = 0
+    """Of the cell that has the fewest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """A claim and what its parts came to."""
+
+    claim: Claim
+    findings: tuple[Finding, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """All parts must be supported; one contradicts."""
+        verdicts = {finding.verdict for finding in self.findings}
+        if "contradicted" in verdicts:
+            return "contradicted"
+        return "undecided" if "undecided" in verdicts else "supported"
+
+    @property
+    def decisive(self) -> Finding:
+        """The finding that the verdict hangs on: the lowest of those that gave it."""
+        same = [finding for finding in self.findings if finding.verdict == self.verdict]
+        return min(same, key=lambda finding: (math.isnan(finding.low), finding.low))
+
+    @property
+    def supported(self) -> int:
+        """How many parts are."""
+        return sum(finding.verdict == "supported" for finding in self.findings)
+
+
+def load_claims(path: Path = CLAIMS) -> tuple[Claim, ...]:
+    """The claims of a ledger. Raises UserError in one line for what is wrong in it."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        claims = _Ledger.model_validate_json(json.dumps(content)).claims
+    except ValidationError as error:
+        raise UserError(f"{path.name}: {_first(error)}") from None
+    except (OSError, yaml.YAMLError) as error:
+        raise UserError(f"{path}: cannot be read ({error})") from None
+    twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
+    if twice:
+        raise UserError(f'{path.name}: two claims are called "{twice[0]}"')
+    return claims
+
+
+def decide(claim: Claim, outcomes: Outcomes, *, seed: int = 0) -> Decision:
+    """Decide a claim; `seed` is the bootstrap's. Other claims do not matter to it."""
+    parts = [part for test in claim.tests for part in test.parts(outcomes)]
+    alpha = ALPHA / len(parts)
+    findings = []
+    for number, part in enumerate(parts):
+        random = np.random.default_rng([seed, zlib.crc32(claim.id.encode()), number])
+        findings.append(_find(part, outcomes, random, alpha))
+    return Decision(claim, tuple(findings))
+
+
+def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: float) -> Finding:
+    cells = [cell for cell in part.cells if cell is not None]
+    if len(cells) < len(part.cells):
+        return Finding(part, "undecided", "not in this budget")
+    samples = [outcomes.values(cell, part.metric) for cell in cells]
+    seeds = min(map(len, samples))
+    if any(np.isnan(sample).any() for sample in samples):
+        return Finding(part, "undecided", "a run has no value", seeds=seeds)
+    if seeds < 2:
+        return Finding(part, "undecided", f"{seeds} seeds", seeds=seeds)
+    effect = float(part.effect(*samples))
+    replicates = bootstrap(part.effect, samples, random, RESAMPLES)
+    low, high = (float(bound) for bound in interval(replicates, seeds, 1 - ALPHA))
+    _, highest = (float(bound) for bound in interval(replicates, seeds, 1 - alpha))
+    p = math.nan
+    if part.rule == "interval":
+        right = low >= 0 if part.at_least else low > 0
+        wrong = highest < 0 if part.at_least else highest <= 0
+    else:
+        p = rank_sum(*samples)
+        right, wrong = p < ALPHA, rank_sum(*reversed(samples)) < alpha
+        if part.rule == "no significance":
+            right, wrong = p >= ALPHA and seeds >= PAPER_SEEDS, p < alpha
+    verdict: Verdict = "supported" if right else "contradicted" if wrong else "undecided"
+    reason = ""
+    if any(outcomes.missing(cell) for cell in cells):
+        verdict, reason = "undecided", "seeds are missing"
+    elif seeds < LEAST_SEEDS:
+        verdict, reason = "undecided", f"fewer than {LEAST_SEEDS} seeds"
+    elif wrong and part.grows and outcomes.generations < PAPER_GENERATIONS:
+        verdict, reason = "undecided", f"fewer than {PAPER_GENERATIONS} generations"
+    return Finding(part, verdict, reason, effect, low, high, p, seeds)
+
+
+def _first(error: ValidationError) -> str:
+    """Place and cause of the first error; a union of tests has no one set of keys to name."""
+    first = error.errors()[0]
+    place = ".".join(map(str, first["loc"]))
+    return f"{place}: {first['msg']}"

@@ -1,0 +1,175 @@
+"""The kinds of test that decide a claim, each an effect of the runs of some cells.
+
+An effect is signed so that the claim says "greater than 0". A test has one part for each task and
+method (or cell) that it speaks of; the claim says that all of them hold.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from neol.analysis import statistics
+from neol.analysis.outcomes import METRICS, Floats, Outcomes
+from neol.analysis.statistics import Effect, superiority
+from neol.campaign import Cell
+from neol.spec import Model
+
+Metric = Literal["final_best", "score", "equal_evaluations", "equal_steps", "held_out"]
+Setting = Literal["table3", "table4", "score"]
+Methods = tuple[Literal["bcm", "hebb", "oja", "neat", "neat_wo"], ...]
+Size = int | Literal["smallest", "largest"]
+Rate = float | Literal["smallest", "largest"]
+
+DIFFERENCES: dict[str, Effect] = {
+    "mean": statistics.mean_difference,
+    "median": statistics.median_difference,
+    "sd": statistics.sd_difference,
+    "iqr": statistics.iqr_difference,
+    "low_outliers": statistics.outlier_difference,
+}
+
+
+@dataclass(frozen=True)
+class Part:
+    """One thing that a claim says."""
+
+    label: str
+    unit: str
+    """Of the effect."""
+    cells: tuple[Cell | None, ...]
+    """Whose runs it is made of; None for one that the budget does not have."""
+    metric: Metric
+    effect: Effect
+    """Of the cells' values, in their order; greater than 0 if the claim is right."""
+    at_least: bool = False
+    """Whether an effect of exactly 0 bears the claim out as well."""
+    rule: Literal["interval", "significance", "no significance"] = "interval"
+    """What decides: the effect's interval, or the p-value of the one-sided rank-sum test."""
+    grows: bool = False
+    """Whether more generations could bring it about: fewer than the paper's contradict nothing."""
+
+
+class Compare(Model):
+    """A statistic of each method against another method, each in its cell of a setting."""
+
+    kind: Literal["compare"]
+    statistic: Literal["mean", "median", "sd", "iqr", "low_outliers"]
+    direction: Literal["higher", "lower"]
+    metric: Metric
+    setting: Setting
+    tasks: tuple[str, ...]
+    methods: Methods
+    against: str
+
+    def parts(self, outcomes: Outcomes) -> Iterator[Part]:
+        """One for each task and method."""
+        effect = signed(DIFFERENCES[self.statistic], self.direction)
+        unit = "share of runs" if self.statistic == "low_outliers" else METRICS[self.metric]
+        for task, method in product(self.tasks, self.methods):
+            cells = _pair(outcomes, self.setting, task, method, self.against)
+            label = f"{task}: {self.statistic} of {method} {self.direction} than {self.against}"
+            yield Part(label, unit, cells, self.metric, effect)
+
+
+class Significant(Model):
+    """Each method's one-sided rank-sum test against another method."""
+
+    kind: Literal["significant", "not_significant"]
+    metric: Metric
+    setting: Setting
+    tasks: tuple[str, ...]
+    methods: Methods
+    against: str
+
+    def parts(self, outcomes: Outcomes) -> Iterator[Part]:
+        """One for each task and method."""
+        negated = self.kind == "not_significant"
+        for task, method in product(self.tasks, self.methods):
+            yield Part(
+                label=f"{task}: {method} over {self.against} {self.kind.replace('_', ' ')}",
+                unit="A12 - 0.5",
+                cells=_pair(outcomes, self.setting, task, method, self.against),
+                metric=self.metric,
+                effect=lambda sample, against: superiority(sample, against) - 0.5,
+                rule="no significance" if negated else "significance",
+            )
+
+
+class Rank(Model):
+    """A method's mean is among the highest so many of several methods'."""
+
+    kind: Literal["rank"]
+    at_most: Annotated[int, Field(ge=1)]
+    metric: Metric
+    setting: Setting
+    tasks: tuple[str, ...]
+    method: str
+    among: Methods
+
+    def parts(self, outcomes: Outcomes) -> Iterator[Part]:
+        """One for each task: the lead over the best of those that must lie below."""
+
+        def lead(sample: Floats, *others: Floats) -> Floats:
+            means = np.sort([other.mean(axis=-1) for other in others], axis=0)
+            return np.asarray(sample.mean(axis=-1) - means[-self.at_most])
+
+        others = [method for method in self.among if method != self.method]
+        for task in self.tasks:
+            cells = tuple(
+                outcomes.chosen(self.setting, task, each) for each in (self.method, *others)
+            )
+            label = f"{task}: {self.method} among the best {self.at_most}"
+            tie = (
+                self.at_most > 1
+            )  # who shares the first place is second at least, but does not lead
+            yield Part(label, METRICS[self.metric], cells, self.metric, lead, at_least=tie)
+
+
+class Gain(Model):
+    """The relative gain in the mean over another method is larger on some tasks than on others."""
+
+    kind: Literal["larger_gain"]
+    metric: Metric
+    setting: Setting
+    tasks: tuple[str, ...]
+    than_tasks: tuple[str, ...]
+    methods: Methods
+    against: str
+
+    def parts(self, outcomes: Outcomes) -> Iterator[Part]:
+        """One for each method."""
+
+        def gain(samples: Sequence[Floats]) -> Floats:
+            pairs = zip(samples[::2], samples[1::2], strict=True)
+            means = [(sample.mean(axis=-1), against.mean(axis=-1)) for sample, against in pairs]
+            return np.asarray(
+                np.mean([(ours - theirs) / abs(theirs) for ours, theirs in means], axis=0)
+            )
+
+        def difference(*samples: Floats) -> Floats:
+            split = 2 * len(self.tasks)
+            return gain(samples[:split]) - gain(samples[split:])
+
+        for method in self.methods:
+            cells = [
+                cell
+                for task in (*self.tasks, *self.than_tasks)
+                for cell in _pair(outcomes, self.setting, task, method, self.against)
+            ]
+            tasks, others = ", ".join(self.tasks), ", ".join(self.than_tasks)
+            label = f"{method}: gain on {tasks} over that on {others}"
+            yield Part(label, "relative gain", tuple(cells), self.metric, difference)
+
+
+def _pair(
+    outcomes: Outcomes, setting: Setting, task: str, method: str, against: str
+) -> tuple[Cell | None, Cell | None]:
+    return outcomes.chosen(setting, task, method), outcomes.chosen(setting, task, against)
+
+
+def signed(effect: Effect, direction: Literal["higher", "lower"]) -> Effect:
+    return effect if direction == "higher" else lambda *samples: -effect(*samples)

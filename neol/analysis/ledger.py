@@ -1,0 +1,133 @@
+"""The ledger of claims as a table, a page and LaTeX."""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+
+import pandas as pd
+
+from neol.analysis import claims
+from neol.analysis.claims import Decision, Finding
+from neol.analysis.latex import escape
+
+
+def as_table(decisions: Sequence[Decision]) -> pd.DataFrame:
+    """A row for each part of each claim, at full precision."""
+    return pd.DataFrame(
+        [
+            {
+                "claim": decision.claim.id,
+                "place": decision.claim.place,
+                "verdict": decision.verdict,
+                "part": finding.part.label,
+                "part_verdict": finding.verdict,
+                "reason": finding.reason,
+                "effect": finding.effect,
+                "low": finding.low,
+                "high": finding.high,
+                "p": finding.p,
+                "seeds": finding.seeds,
+                "metric": finding.part.metric,
+                "unit": finding.part.unit,
+            }
+            for decision in decisions
+            for finding in decision.findings
+        ]
+    )
+
+
+def as_markdown(decisions: Sequence[Decision], budget: str) -> str:
+    """The ledger as a page: what is decided how, a summary, and each claim with its parts."""
+    counts = Counter(decision.verdict for decision in decisions)
+    rules = (claims.__doc__ or "").split("\n\n", 1)[1].strip()
+    lines = [
+        "# The paper's claims",
+        f"{budget}",
+        f"Of {len(decisions)} claims {counts['supported']} are supported, "
+        f"{counts['contradicted']} contradicted and {counts['undecided']} undecided at this "
+        "budget.",
+        rules,
+        "| claim | place | verdict | parts supported | hangs on | effect [95% interval] | n |\n"
+        "| --- | --- | --- | --- | --- | --- | --- |\n"
+        + "\n".join(_markdown_row(decision) for decision in decisions),
+    ]
+    for decision in decisions:
+        lines += _section(decision)
+    return "\n\n".join(lines) + "\n"
+
+
+def as_latex(decisions: Sequence[Decision], budget: str) -> str:
+    """The summary as a long table for \\input; it needs the packages booktabs and longtable."""
+    head = "Claim & Place & Verdict & Parts & Effect [95\\% interval] & $n$ \\\\"
+    rows = []
+    for decision in decisions:
+        decisive = decision.decisive
+        entries = [
+            decision.claim.quote,
+            decision.claim.place,
+            decision.verdict,
+            f"{decision.supported}/{len(decision.findings)}",
+            _effect(decisive),
+            str(decisive.seeds or "--"),
+        ]
+        rows.append("  " + " & ".join(map(escape, entries)) + " \\\\")
+    caption = (
+        "The paper's claims, decided on records. Effect: of the part that the verdict hangs on, "
+        f"signed so that the claim says above 0. {budget}"
+    )
+    return "\n".join(
+        [
+            "\\begingroup\\footnotesize",
+            "\\begin{longtable}{p{0.38\\linewidth}llcp{0.2\\linewidth}r}",
+            f"  \\caption{{{escape(caption)}}}\\label{{tab:claims}}\\\\",
+            "  \\toprule",
+            f"  {head}",
+            "  \\midrule\\endhead",
+            *rows,
+            "  \\bottomrule",
+            "\\end{longtable}",
+            "\\endgroup",
+        ]
+    )
+
+
+def _section(decision: Decision) -> list[str]:
+    claim = decision.claim
+    lines = [f"## {claim.id}: {decision.verdict}", f"> {claim.quote}\n>\n> ({claim.place})"]
+    lines += [f"Reading: {claim.reading}"] if claim.reading else []
+    lines += [f"Note: {claim.note}"] if claim.note else []
+    rows = [
+        f"| {finding.part.label} | {finding.verdict} | {_effect(finding)} | {finding.part.unit} "
+        f"| {_p(finding)} | {finding.seeds or '--'} | {finding.reason} |"
+        for finding in decision.findings
+    ]
+    head = "| part | verdict | effect [95% interval] | of | p | n | why |\n" + "| --- " * 7 + "|"
+    return [*lines, "\n".join([head, *rows])]
+
+
+def _markdown_row(decision: Decision) -> str:
+    decisive, claim = decision.decisive, decision.claim
+    entries = [
+        f"[{claim.id}](#{claim.id}-{decision.verdict})",
+        claim.place,
+        decision.verdict,
+        f"{decision.supported}/{len(decision.findings)}",
+        decisive.part.label,
+        _effect(decisive),
+        str(decisive.seeds or "--"),
+    ]
+    return f"| {' | '.join(entries)} |"
+
+
+def _effect(finding: Finding) -> str:
+    if math.isnan(finding.effect):
+        return finding.reason or "--"
+    return f"{_number(finding.effect)} [{_number(finding.low)}, {_number(finding.high)}]"
+
+
+def _p(finding: Finding) -> str:
+    return "" if math.isnan(finding.p) else f"{finding.p:.3g}"
+
+
+def _number(value: float) -> str:
+    return "--" if math.isnan(value) else f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
