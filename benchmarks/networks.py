@@ -1,0 +1,100 @@
+"""The networks that engines are measured with: of the initial topology, and large ones."""
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks.trajectories import Recording, record
+from neol.evolution import Evolution
+from neol.neat.genome import decode
+from neol.network import ACTIVATIONS, Networks
+from neol.rollout.engine import Engine
+from neol.seeding import episode_seeds
+from neol.spec import RunSpec, load_configuration
+
+HIDDEN, CONNECTIONS = 30, 300
+
+FIXED_TOPOLOGY = ("neat.add_connection_rate=0", "neat.add_node_rate=0")
+
+
+def initial_topology(
+    spec: RunSpec, engine: Engine, size: tuple[int, int], generations: int
+) -> Networks:
+    """A population of the initial topology, its weights evolved for some generations.
+
+    Unevolved ones fall or crash within a few steps, which is not what an engine mostly plays.
+    """
+    fixed = load_configuration("paper", FIXED_TOPOLOGY).run_spec(
+        task=spec.task.name,
+        method="neat",
+        population=spec.population,
+        learning_rate=None,
+        generations=generations,
+        seed=spec.seed,
+    )
+    evolution = Evolution.begin(fixed, *size)
+    for _ in evolution.run(engine):
+        pass
+    return decode(evolution.population, *size, spec.network)[0]
+
+
+def large(spec: RunSpec, size: tuple[int, int], population: int) -> Networks:
+    """Random networks with 30 hidden nodes and 300 of all possible connections."""
+    random = np.random.default_rng(0)
+    inputs, outputs = size
+    nodes = HIDDEN + outputs
+    target, source = np.array(
+        [(node, s) for node in range(nodes) for s in range(inputs + min(node, HIDDEN))]
+    ).T
+    chosen = [
+        np.sort(random.choice(len(source), CONNECTIONS, replace=False)) for _ in range(population)
+    ]
+    incoming = np.concatenate([np.bincount(target[c], minlength=nodes) for c in chosen])
+    return Networks(
+        inputs=inputs,
+        outputs=outputs,
+        activation=ACTIVATIONS[spec.network.hidden_activation],
+        sum_limit=spec.network.sum_limit,
+        node_offset=np.arange(population + 1) * nodes,
+        bias=random.normal(size=population * nodes),
+        edge_offset=np.concatenate([[0], np.cumsum(incoming)]),
+        source=np.concatenate([source[c] for c in chosen]),
+        weight=random.normal(size=population * CONNECTIONS),
+    )
+
+
+def recording_of(spec: RunSpec, engine: Engine, networks: Networks, steps: int) -> Recording:
+    """Episodes of these networks, one each, over and over until there are about so many steps."""
+    seeds = episode_seeds(spec.seed, 1, len(networks), 1)
+    once = int(engine.evaluate(networks, seeds, spec.plasticity).steps.sum())
+    count = max(1, round(steps / once * len(networks)))
+    repeated = _cycle(networks, count)
+    return record(
+        spec.task, engine, repeated, episode_seeds(spec.seed, 2, count, 1), spec.plasticity
+    )
+
+
+def _cycle(networks: Networks, count: int) -> Networks:
+    """The first `count` networks of the batch, begun anew when it ends."""
+    rounds, rest = divmod(count, len(networks))
+    return join([networks] * rounds + [networks.slice(0, rest)] * (rest > 0))
+
+
+def join(batches: list[Networks]) -> Networks:
+    """One batch of several, in order."""
+    first = batches[0]
+    return Networks(
+        inputs=first.inputs,
+        outputs=first.outputs,
+        activation=first.activation,
+        sum_limit=first.sum_limit,
+        node_offset=_offsets([batch.node_offset for batch in batches]),
+        bias=np.concatenate([batch.bias for batch in batches]),
+        edge_offset=_offsets([batch.edge_offset for batch in batches]),
+        source=np.concatenate([batch.source for batch in batches]),
+        weight=np.concatenate([batch.weight for batch in batches]),
+    )
+
+
+def _offsets(parts: list[npt.NDArray[np.int64]]) -> npt.NDArray[np.int64]:
+    sizes = np.concatenate([np.diff(part) for part in parts])
+    return np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes)])

@@ -1,0 +1,188 @@
+"""docs/benchmarks.md."""
+
+from collections.abc import Mapping
+
+from benchmarks.table import (
+    NEAT_POPULATION,
+    PARTS,
+    RULES,
+    TITLES,
+    Table,
+    markdown,
+    number,
+    percent,
+)
+from benchmarks.targets import targets
+
+
+def page(table: Table, about: Mapping[str, str]) -> str:
+    """docs/benchmarks.md."""
+    sections = (_head(about), _targets_section, _engines, _runs, _shares, _kernels, _neat)
+    return "\n".join(part if isinstance(part, str) else part(table) for part in sections)
+
+
+def _head(about: Mapping[str, str]) -> str:
+    lines = "".join(f"- {name}: {text}\n" for name, text in about.items())
+    return f"""# Benchmarks
+
+<!-- Written by `make bench` (python -m benchmarks.run) from benchmarks.csv: do not edit. -->
+
+{lines}
+One interleaved run: in every round each contestant measures once, in turn, and another one begins.
+Values are medians over the rounds, ratios are taken within a round; `benchmarks.csv` has their
+ranges. Times of one core are CPU time of the process; two workers against one is wall time.
+
+![Microseconds per environment step, and where a run's time goes](benchmarks.png)
+"""
+
+
+def _targets_section(table: Table) -> str:
+    rows = [row for target in targets() if (row := target.row(table)) is not None]
+    header = ("what", "task", "target", "measured", "")
+    return f"## Targets\n\n{markdown(header, rows)}"
+
+
+def _engines(table: Table) -> str:
+    header = (
+        "task, networks",
+        "physics",
+        "our engine",
+        "of it resets",
+        "Gymnasium's env.step",
+        "reference engine",
+        "engine / physics",
+        "without resets",
+        "reference / engine",
+        "steps of an episode",
+    )
+    names = ["physics", "engine", "resets", "gymnasium", "reference", "engine_over_physics"]
+    names += ["steps_over_physics", "reference_over_engine", "recorded_steps_per_episode"]
+    rows = []
+    for task in table.tasks:
+        for networks in ("initial", "large"):
+            cells = [number(table.get(name, task, networks)) for name in names]
+            rows.append([f"{TITLES[task]}, {networks}", *cells])
+    return f"""## Engines: microseconds per environment step
+
+The same recorded episodes for all. *initial*: networks of the initial topology with evolved
+weights; *large*: random networks with 30 hidden nodes and 300 connections. *Physics*: the physics
+library's own steps under the recorded actions (`b2World::Step`, for BipedalWalker with its ten ray
+casts; four `mj_step`). *Our engine* and the *reference engine* play the episodes with network,
+plasticity and resets; Gymnasium's `env.step` is bare, without resets.
+
+{markdown(header, rows)}"""
+
+
+def _runs(table: Table) -> str:
+    header = ("task", "G", "neol", "peer", "times faster", "steps an evaluation: neol", "peer")
+    names = ("run", "peer", "times_faster", "run_steps_per_evaluation", "peer_steps_per_evaluation")
+    rows = [
+        [
+            TITLES[task],
+            f"{table.get('run_generations', task) or 0:.0f}",
+            *(number(table.get(name, task)) for name in names),
+        ]
+        for task in table.tasks
+    ]
+    return f"""## Whole runs: microseconds per environment step
+
+Evolution with Hebb's rule at P = 50, all that a run does but for writing its record. The peer
+(`benchmarks/peer.py`) is the same algorithm written plainly on neat-python and Gymnasium. Its runs
+are others (other random numbers), so both are counted per step.
+
+{markdown(header, rows)}"""
+
+
+def _shares(table: Table) -> str:
+    header = (
+        "task",
+        "network",
+        "plasticity",
+        "physics",
+        "rest of the environment",
+        "NEAT",
+        "other",
+    )
+    rows = [
+        [TITLES[task], *(percent(table.get(f"share_{part}", task)) for part in PARTS)]
+        for task in table.tasks
+    ]
+    large = [
+        [TITLES[task], *(percent(table.get(f"engine_share_{p}", task, "large")) for p in PARTS[:4])]
+        for task in table.tasks
+    ]
+    return f"""## Where a run's time goes
+
+The runs of the table above. NEAT is timed at its calls (decode, write-back, speciate, reproduce,
+seeds); network and plasticity by playing the run's own episodes back in a world that costs nothing,
+without and with learning; physics by stepping it under the run's own actions. The rest of the
+environment (resets, observations, rewards; CartPole's physics too) is what remains of the
+engine's time; *other* is statistics, digest and snapshots.
+
+{markdown(header, rows)}
+Of the engine's time with large networks (30 hidden nodes, 300 connections):
+
+{markdown(header[:5], large)}"""
+
+
+def _kernels(table: Table) -> str:
+    header = ("task", *(f"{rule}{what}" for rule in RULES for what in ("", ", C", ", ratio")))
+    rows = [
+        [
+            TITLES[task],
+            *(
+                number(table.get(name, task, networks))
+                for rule in RULES
+                for name, networks in (
+                    (f"kernels_{rule}", "large"),
+                    (f"c_{rule}", "large"),
+                    (f"kernels_over_c_{rule}", ""),
+                )
+            ),
+        ]
+        for task in table.tasks
+    ]
+    return f"""## Network and plasticity with 300 connections: microseconds per step
+
+Recorded episodes of the large networks, played back: our kernels and the same loop in C (`cc -O3`).
+
+{markdown(header, rows)}"""
+
+
+def _neat(table: Table) -> str:
+    parts = ("decode", "encode", "speciate", "reproduce", "seeds")
+    header = ("task", "nodes", "connections", "species", *parts, "all", "share of a run")
+    rows = [
+        [
+            TITLES[task],
+            *(number(table.get(f"grown_{size}", task)) for size in ("nodes", "connections")),
+            number(table.get("grown_species", task)),
+            *(number(table.get(f"neat_{part}", task)) for part in (*parts, "generation")),
+            percent(table.get("neat_share", task)),
+        ]
+        for task in table.tasks
+    ]
+    workers = [
+        [
+            TITLES[task],
+            *(
+                number(table.get(name, task))
+                for name in ("one_worker", "two_workers", "two_workers_speedup")
+            ),
+        ]
+        for task in table.tasks
+    ]
+    return f"""## NEAT at P = {NEAT_POPULATION} after 200 generations: milliseconds a generation
+
+Synthetic growth: real NEAT with the task's inputs and outputs for 200 generations of random
+fitness, then timed. *All* is everything that a generation does outside the engine, statistics and
+digest too. Its share is against {NEAT_POPULATION} episodes of the length that short real runs came
+to, at the engine's measured cost of a step with small networks.
+
+{markdown(header, rows)}
+## Two workers against one: wall seconds of a run, P = 100
+
+{markdown(("task", "one", "two", "times faster"), workers)}
+Peak memory is that of a process that makes a whole run of BipedalWalker (the largest genomes), with
+P = 300, G = 500 and episodes cut to one step.
+"""

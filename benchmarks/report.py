@@ -1,0 +1,59 @@
+"""What docs/ says of speed, all of it from docs/benchmarks.csv.
+
+`python -m benchmarks.report` makes page, plot and the numbers of scaling.md again from that file.
+"""
+
+import importlib.metadata
+import platform
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from benchmarks.page import page
+from benchmarks.plot import plot
+from benchmarks.scaling import replace_generated, scaling
+from benchmarks.table import Table
+from neol.provenance import provenance
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+
+
+def machine() -> dict[str, str]:
+    """What the values were measured on."""
+    made = provenance()
+    versions = {**made.versions, "neat-python": importlib.metadata.version("neat-python")}
+    return {
+        "CPU": made.cpu,
+        "System": f"{platform.system()} on {platform.machine()}, {made.libc}",
+        "Versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
+        "Commit": f"{made.commit}{' with changes' if made.dirty else ''}",
+        "Date": made.time.partition("T")[0],
+    }
+
+
+def write(folder: Path, table: pd.DataFrame, about: Mapping[str, str]) -> None:
+    """Write benchmarks.csv, which begins with what it was measured on, and what is made of it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "benchmarks.csv").open("w", encoding="utf-8") as file:
+        file.writelines(f"# {name}: {text}\n" for name, text in about.items())
+        table.to_csv(file, index=False, float_format="%.6g")
+    render(folder)
+
+
+def render(folder: Path) -> None:
+    """Make the page, the plot and, where it is, scaling.md's numbers from benchmarks.csv."""
+    path = folder / "benchmarks.csv"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    about = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# "))
+    table = Table(pd.read_csv(path, comment="#", keep_default_na=False))
+    (folder / "benchmarks.md").write_text(page(table, about), encoding="utf-8")
+    plot(table, folder / "benchmarks.png")
+    text = folder / "scaling.md"
+    if text.exists():
+        generated = replace_generated(text.read_text(encoding="utf-8"), scaling(table, about))
+        text.write_text(generated, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    render(DOCS)

@@ -1,0 +1,114 @@
+"""`python -m benchmarks.run`: measure everything in one interleaved run and write it to docs/.
+
+A round lets every contestant measure once, one after the other, and begins with another one each
+time; ratios are taken within a round, and what is written is the median over the rounds.
+"""
+
+import argparse
+import logging
+import sys
+import time
+import warnings
+from collections import defaultdict
+from pathlib import Path
+
+from benchmarks import measure, report
+from benchmarks.measure import Contestant, Scale
+from benchmarks.table import Key, summarise
+from neol.errors import UserError
+from neol.rollout import make_engine
+
+
+def main() -> None:
+    arguments = _arguments()
+    logging.disable(logging.WARNING)
+    warnings.filterwarnings("ignore")
+    begin = time.perf_counter()
+    try:
+        values = run(arguments.tasks, arguments.rounds, arguments.quick)
+    except UserError as error:
+        sys.exit(f"benchmarks: {error}")
+    minutes = (time.perf_counter() - begin) / 60
+    table = summarise(values)
+    note = f"{'quick run, not for comparison; ' * arguments.quick}took {minutes:.1f} minutes"
+    report.write(arguments.output, table, report.machine() | {"Run": note})
+    _say(f"wrote {arguments.output}/benchmarks.csv, .md, .png ({note})")
+
+
+def run(tasks: list[str], rounds: int, quick: bool) -> dict[Key, list[float]]:
+    """Everything measured: for each key its values, one for each round."""
+    values: dict[Key, list[float]] = defaultdict(list)
+    scales = measure.QUICK if quick else measure.FULL
+    contestants: list[tuple[str, str, Contestant]] = []
+    for task in tasks:
+        _say(f"{task}: prepare")
+        for networks, contestant in _prepare(task, scales[task], quick, values):
+            contestants.append((task, networks, contestant))
+    for number in range(rounds):
+        _say(f"round {number + 1} of {rounds}")
+        turn = number * len(contestants) // rounds
+        for task, networks, contestant in contestants[turn:] + contestants[:turn]:
+            for quantity, value in contestant().items():
+                values[quantity, task, networks].append(value)
+    for task in tasks:
+        _say(f"{task}: short runs")
+        generations = scales[task].short_run
+        values["short_run_generations", task, ""].append(float(generations))
+        for method in ("hebb", "neat"):
+            short = measure.short_run(task, method, generations)
+            for quantity, value in short.items():
+                values[quantity, task, method].append(value)
+    if "bipedal_walker" in tasks:
+        _say("peak memory")
+        memory = measure.peak_memory("bipedal_walker", 300, 20 if quick else 500)
+        values["peak_memory", "bipedal_walker", ""].append(memory["peak_memory"])
+    return values
+
+
+def _prepare(
+    task: str, scale: Scale, quick: bool, values: dict[Key, list[float]]
+) -> list[tuple[str, Contestant]]:
+    """A task's contestants, warm: every kernel compiled, every library loaded."""
+    contestants: list[tuple[str, Contestant]] = []
+    recordings = measure.both_recordings(task, scale, generations=3 if quick else 15)
+    for networks, recording in recordings.items():
+        values["recorded_steps_per_episode", task, networks].append(
+            recording.steps / len(recording.seeds)
+        )
+        contestants += [(networks, c) for c in measure.engine_contestants(recording).values()]
+    contestants.append(("large", measure.c_contestant(recordings["large"])))
+
+    spec = measure.run_spec_of(task, measure.POPULATION, scale.generations)
+    engine = make_engine(spec.task, "fast")
+    values["run_generations", task, ""].append(float(scale.generations))
+    contestants += [("", c) for c in measure.whole_run_contestants(spec, engine).values()]
+
+    spec = measure.run_spec_of(task, 100, 1 if quick else 2)
+    contestants += [("", c) for c in measure.worker_contestants(spec).values()]
+
+    sizes, grown = measure.neat_after(task, 300, 30 if quick else 200, timed=3 if quick else 10)
+    for quantity, value in sizes.items():
+        values[quantity, task, ""].append(value)
+    contestants.append(("", grown))
+    return contestants
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.run", description=__doc__)
+    parser.add_argument(
+        "--tasks", nargs="+", choices=list(measure.FULL), default=list(measure.FULL)
+    )
+    parser.add_argument("--rounds", type=int, default=None, help="at least 5; 2 with --quick")
+    parser.add_argument("--quick", action="store_true", help="a small run, to see that all works")
+    parser.add_argument("--output", type=Path, default=report.DOCS)
+    arguments = parser.parse_args()
+    arguments.rounds = arguments.rounds or (2 if arguments.quick else 5)
+    return arguments
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+"""From measured values to a table of medians: ratios, shares, and how a number is written."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+Key = tuple[str, str, str]
+"""Quantity, task, networks; empty where it is of no particular task or networks."""
+Array = npt.NDArray[np.float64]
+Values = Mapping[Key, list[float]]
+"""What was measured: one value for each round."""
+Get = Callable[..., Array]
+
+TITLES = {
+    "cartpole": "CartPole",
+    "lunar_lander": "LunarLander",
+    "hopper": "Hopper",
+    "bipedal_walker": "BipedalWalker",
+}
+PARTS = ("network", "plasticity", "physics", "environment", "neat", "other")
+RULES = ("hebb", "oja", "bcm")
+NEAT_POPULATION = 300
+
+
+def summarise(values: Values) -> pd.DataFrame:
+    """Median, least and greatest over the rounds of everything measured and derived."""
+    everything: dict[Key, Sequence[float] | Array] = {**values, **_derived(values)}
+    rows = [
+        {
+            "quantity": quantity,
+            "task": task,
+            "networks": networks,
+            "median": float(np.median(measured)),
+            "minimum": float(np.min(measured)),
+            "maximum": float(np.max(measured)),
+            "rounds": len(measured),
+        }
+        for (quantity, task, networks), measured in everything.items()
+    ]
+    return pd.DataFrame(rows)
+
+
+def _derived(values: Values) -> dict[Key, Array]:
+    """Ratios and shares, each within a round."""
+    derived: dict[Key, Array] = {}
+    for task in dict.fromkeys(task for _, task, _ in values):
+
+        def get(quantity: str, networks: str = "", task: str = task) -> Array:
+            return np.array(values.get((quantity, task, networks), [0.0]))
+
+        for networks in ("initial", "large"):
+            for name, value in _engine_ratios(get, networks).items():
+                derived[name, task, networks] = value
+        for name, value in {**_run_ratios(get), **_kernel_ratios(get)}.items():
+            derived[name, task, ""] = value
+    return derived
+
+
+def _engine_ratios(get: Get, networks: str) -> dict[str, Array]:
+    engine, physics = get("engine", networks), get("physics", networks)
+    ratios = {
+        "gymnasium_over_engine": get("gymnasium", networks) / engine,
+        "reference_over_engine": get("reference", networks) / engine,
+    }
+    if physics.any():
+        ratios["engine_over_physics"] = engine / physics
+        ratios["steps_over_physics"] = (engine - get("resets", networks)) / physics
+    known = {part: get(part, networks) / engine for part in ("network", "plasticity", "physics")}
+    known["environment"] = 1.0 - np.sum(list(known.values()), axis=0)
+    return ratios | {f"engine_share_{part}": share for part, share in known.items()}
+
+
+def _run_ratios(get: Get) -> dict[str, Array]:
+    run = get("run")
+    shares = {
+        part: get(f"run_{part}") / run
+        for part in ("network", "plasticity", "physics", "neat", "other")
+    }
+    shares["environment"] = 1.0 - np.sum(list(shares.values()), axis=0)
+    steps = get("short_run_late_steps", "hebb")
+    generation = get("neat_generation") * 1e-3
+    episodes = NEAT_POPULATION * steps * get("engine", "initial") * 1e-6
+    return {f"share_{part}": share for part, share in shares.items()} | {
+        "times_faster": get("peer") / run,
+        "two_workers_speedup": get("one_worker") / get("two_workers"),
+        "neat_share": generation / (generation + episodes),
+    }
+
+
+def _kernel_ratios(get: Get) -> dict[str, Array]:
+    ratios = {
+        f"kernels_over_c_{rule}": get(f"kernels_{rule}", "large") / get(f"c_{rule}", "large")
+        for rule in RULES
+    }
+    worst = np.max([get(f"kernels_{rule}", "large") for rule in RULES], axis=0)
+    return ratios | {
+        "kernels_worst": worst,
+        "kernels_over_c_worst": np.max(list(ratios.values()), axis=0),
+    }
+
+
+class Table:
+    """The measured medians by quantity, task and networks; None where there is none."""
+
+    def __init__(self, frame: pd.DataFrame) -> None:
+        keys = zip(frame["quantity"], frame["task"], frame["networks"], strict=True)
+        self._median: dict[Key, float] = dict(zip(keys, frame["median"].tolist(), strict=True))
+        self.rounds = int(frame["rounds"].max())
+        self.tasks = [task for task in TITLES if task in set(frame["task"])]
+
+    def get(self, quantity: str, task: str, networks: str = "") -> float | None:
+        return self._median.get((quantity, task, networks))
+
+
+def number(value: float | None) -> str:
+    """Three digits, and a dash for what was not measured."""
+    if value is None:
+        return "–"
+    if abs(value) >= 100:
+        return f"{value:,.0f}"
+    return f"{value:.1f}" if abs(value) >= 10 else f"{value:.2f}"
+
+
+def percent(value: float | None) -> str:
+    return "–" if value is None else f"{100 * value:.1f}%"
+
+
+def markdown(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table, its first column to the left and the others to the right."""
+    header = list(header)
+    lines = [header, ["---", *["---:"] * (len(header) - 1)], *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"

@@ -1,0 +1,73 @@
+"""What the measured values are held against."""
+
+from dataclasses import dataclass
+
+from benchmarks.table import NEAT_POPULATION, TITLES, Table, number, percent
+
+
+@dataclass(frozen=True)
+class Target:
+    """A bound on a measured quantity."""
+
+    what: str
+    quantity: str
+    task: str
+    bound: float
+    at_least: bool = False
+    networks: str = ""
+    unit: str = ""
+    or_else: tuple[str, float] | None = None
+    """Another quantity and its upper bound: one of the two suffices."""
+
+    def row(self, table: Table) -> list[str] | None:
+        value = table.get(self.quantity, self.task, self.networks)
+        if value is None:
+            return None
+        show = percent if self.unit == "%" else lambda v: f"{number(v)}{self.unit}"
+        met = value >= self.bound if self.at_least else value <= self.bound
+        bound = f"{'≥' if self.at_least else '≤'} {show(self.bound)}"
+        measured = show(value)
+        if self.or_else is not None:
+            name, limit = self.or_else
+            other = table.get(name, self.task, self.networks)
+            assert other is not None
+            met |= other <= limit
+            bound += f" or ≤ {number(limit)} × C"
+            measured += f", {number(other)} × C"
+        return [self.what, TITLES[self.task], bound, measured, "met" if met else "**missed**"]
+
+
+def targets() -> list[Target]:
+    """All of them, as ratios in one interleaved run."""
+    faster = {"cartpole": 60, "lunar_lander": 3.5, "bipedal_walker": 4, "hopper": 1.7}
+    neat = {"lunar_lander": 0.03, "hopper": 0.01, "bipedal_walker": 0.01, "cartpole": 0.4}
+    return [
+        *(
+            Target("whole run: times as fast as the peer", "times_faster", task, bound, True)
+            for task, bound in faster.items()
+        ),
+        *(
+            Target("engine / physics alone", "engine_over_physics", task, 1.15, networks="initial")
+            for task in ("lunar_lander", "bipedal_walker", "hopper")
+        ),
+        *(
+            Target(f"NEAT's share at P = {NEAT_POPULATION}", "neat_share", task, bound, unit="%")
+            for task, bound in neat.items()
+        ),
+        *(
+            Target(
+                "network and plasticity, 300 connections, costliest rule",
+                "kernels_worst",
+                task,
+                1.5,
+                unit=" µs",
+                or_else=("kernels_over_c_worst", 1.3),
+            )
+            for task in TITLES
+        ),
+        *(
+            Target("two workers against one, P = 100", "two_workers_speedup", task, 1.85, True)
+            for task in TITLES
+        ),
+        Target("peak memory of a run, P = 300", "peak_memory", "bipedal_walker", 400, unit=" MB"),
+    ]

@@ -1,0 +1,243 @@
+"""Recorded episodes, so that every contestant meets the very same steps.
+
+`record` lets networks play in the fast engine and keeps what passed between them and the world.
+Then the physics is stepped again under the recorded actions, without network or learning; and
+the networks play again in a world that only plays back what it gave them: what is left is the
+cost of network and plasticity.
+"""
+
+import ctypes
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from neol.foreign import call_void
+from neol.kernel import kernel
+from neol.network import Networks
+from neol.rollout.box2d import library as box2d
+from neol.rollout.engine import Engine, Rollouts
+from neol.rollout.episodes import Batch, play_batch
+from neol.rollout.fast import FastEngine
+from neol.rollout.hopper import FRAME_SKIP
+from neol.rollout.pcg64 import State, seed_pcg64
+from neol.rollout.reference import make_environment
+from neol.spec import Plasticity, Task
+
+Array = npt.NDArray[np.float64]
+
+
+class Recorder(NamedTuple):
+    """A world that passes everything on to another one and keeps it."""
+
+    world: Any
+    row: npt.NDArray[np.int64]
+    """int64[1]: rows in use."""
+    observation: Array
+    """float64[rows, inputs]: one of each reset and of each step."""
+    output: Array
+    """float64[rows, outputs]: of a step that led to the row's observation."""
+    reward: Array
+    """float64[rows]: of that step."""
+    ended: npt.NDArray[np.bool_]
+    """bool[rows]: whether it ended the episode."""
+
+    @kernel
+    def reset(self, random: State, observation: Array) -> None:
+        self.world.reset(random, observation)
+        self.observation[self.row[0]] = observation
+        self.row[0] += 1
+
+    @kernel
+    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
+        row = self.row[0]
+        self.output[row] = outputs
+        reward, ended = self.world.step(outputs, observation)
+        self.observation[row], self.reward[row], self.ended[row] = observation, reward, ended
+        self.row[0] += 1
+        return reward, ended
+
+    @kernel
+    def play(self, batch: Batch, begin: int, end: int) -> None:
+        """Let networks begin to end of a batch play their episodes here."""
+        play_batch(self, batch, begin, end)
+
+
+class Playback(NamedTuple):
+    """A world that gives recorded observations and rewards, whatever the network does."""
+
+    row: npt.NDArray[np.int64]
+    observation: Array
+    reward: Array
+    ended: npt.NDArray[np.bool_]
+
+    @kernel
+    def reset(self, random: State, observation: Array) -> None:
+        observation[:] = self.observation[self.row[0]]
+        self.row[0] += 1
+
+    @kernel
+    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
+        row = self.row[0]
+        observation[:] = self.observation[row]
+        self.row[0] += 1
+        return self.reward[row], self.ended[row]
+
+    @kernel
+    def play(self, batch: Batch, begin: int, end: int) -> None:
+        """Let networks begin to end of a batch play their episodes here."""
+        play_batch(self, batch, begin, end)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Episodes of a batch of networks, one episode each."""
+
+    task: Task
+    engine: FastEngine
+    networks: Networks
+    seeds: npt.NDArray[np.uint64]
+    plasticity: Plasticity
+    rollouts: Rollouts
+    log: Recorder
+
+    @property
+    def steps(self) -> int:
+        """Environment steps of all episodes."""
+        return int(self.rollouts.steps.sum())
+
+    def episodes(self) -> Iterator[tuple[np.uint64, Array]]:
+        """Each episode's seed and its network's outputs, float64[steps, outputs]."""
+        row = 0
+        for seed, steps in zip(self.seeds[:, 0], self.rollouts.steps[:, 0], strict=True):
+            yield seed, self.log.output[row + 1 : row + 1 + steps]
+            row += 1 + steps
+
+    def playback(self) -> Engine:
+        """An engine for these networks in which the world costs nothing."""
+        log = self.log
+        world = Playback(np.zeros(1, dtype=np.int64), log.observation, log.reward, log.ended)
+        return FastEngine(lambda: SimpleNamespace(world=world), self.task.max_steps)
+
+    def play_back(self, rule: str) -> Rollouts:
+        """Let the networks play again, learning by a rule, in recorded episodes."""
+        plasticity = self.plasticity.model_copy(update={"rule": rule})
+        return self.playback().evaluate(self.networks, self.seeds, plasticity)
+
+
+def record(
+    task: Task,
+    engine: Engine,
+    networks: Networks,
+    seeds: npt.NDArray[np.uint64],
+    plasticity: Plasticity,
+) -> Recording:
+    """Play one episode with each network and keep all of it."""
+    assert isinstance(engine, FastEngine)
+    assert seeds.shape[1] == 1
+    rollouts = engine.evaluate(networks, seeds, plasticity)
+    assert not rollouts.failed.any()
+    rows = int(rollouts.steps.sum()) + len(seeds)
+    simulation = engine._make_simulation()
+    log = Recorder(
+        world=simulation.world,
+        row=np.zeros(1, dtype=np.int64),
+        observation=np.empty((rows, networks.inputs)),
+        output=np.empty((rows, networks.outputs)),
+        reward=np.empty(rows),
+        ended=np.zeros(rows, dtype=np.bool_),
+    )
+    recorder = FastEngine(lambda: SimpleNamespace(world=log, owner=simulation), task.max_steps)
+    again = recorder.evaluate(networks, seeds, plasticity)
+    assert again.returns.tolist() == rollouts.returns.tolist()
+    return Recording(task, engine, networks, seeds, plasticity, rollouts, log)
+
+
+def seconds_of_physics(recording: Recording) -> float:
+    """CPU seconds of the physics' own steps under the recorded actions.
+
+    LunarLander and BipedalWalker: the core's `neol_physics`, which sets forces and motors, calls
+    b2World::Step and, for the walker, casts its ten rays. Hopper: four mj_step a step.
+    CartPole's physics is a handful of additions inside our kernel: there is nothing to step.
+    """
+    simulation = recording.engine._make_simulation()
+    world = simulation.world
+    random = np.empty(4, dtype=np.uint64)
+    observation = np.empty(recording.networks.inputs)
+    seconds = 0.0
+    for seed, outputs in recording.episodes():
+        replay = _replay(recording.task, world, outputs)
+        seed_pcg64(seed, random)
+        world.reset(random, observation)
+        start = time.process_time()
+        replay()
+        seconds += time.process_time() - start
+    return seconds
+
+
+def seconds_of_resets(recording: Recording) -> float:
+    """CPU seconds of our engine's resets: each from its seed to the first observation."""
+    simulation = recording.engine._make_simulation()
+    start = time.process_time()
+    _reset_all(simulation.world, recording.seeds, np.empty(recording.networks.inputs))
+    return time.process_time() - start
+
+
+@kernel
+def _reset_all(world: Any, seeds: npt.NDArray[np.uint64], observation: Array) -> None:
+    random = np.empty(4, dtype=np.uint64)
+    for episode in range(len(seeds)):
+        seed_pcg64(seeds[episode, 0], random)
+        world.reset(random, observation)
+
+
+def _replay(task: Task, world: Any, outputs: Array) -> Callable[[], None]:
+    """A function that steps the physics through an episode's actions."""
+    actions = np.clip(outputs, -1.0, 1.0).astype(np.float32)
+    if task.environment == "Hopper-v4":
+        controls = actions.astype(np.float64)
+        return lambda: _step_mujoco(world, controls)
+    if world.discrete:
+        actions = np.argmax(outputs, axis=1).astype(np.float32).reshape(-1, 1)
+    core = box2d.load()
+    assert isinstance(core, ctypes.CDLL)
+    steps, width = actions.shape
+    return lambda: core.neol_physics(world.simulation, actions.ctypes.data, width, steps)
+
+
+@kernel
+def _step_mujoco(world: Any, controls: Array) -> None:
+    for step in range(len(controls)):
+        world.control[:] = controls[step]
+        for _ in range(FRAME_SKIP):
+            call_void(world.mj_step, world.model, world.data)
+
+
+def seconds_of_gymnasium(recording: Recording) -> float:
+    """CPU seconds of Gymnasium's `env.step` alone under the recorded actions."""
+    environment = make_environment(recording.task)
+    seconds = 0.0
+    for seed, outputs in recording.episodes():
+        if recording.task.fresh_world:
+            environment.close()
+            environment = make_environment(recording.task)
+        environment.reset(seed=int(seed))
+        actions = _actions(environment.action_space, outputs)
+        start = time.process_time()
+        for action in actions:
+            environment.step(action)
+        seconds += time.process_time() - start
+    environment.close()
+    return seconds
+
+
+def _actions(space: Any, outputs: Array) -> list[Any]:
+    if isinstance(space, gymnasium.spaces.Discrete):
+        chosen: list[Any] = np.argmax(outputs, axis=1).tolist()
+        return chosen
+    return list(np.clip(outputs, space.low, space.high).astype(space.dtype))

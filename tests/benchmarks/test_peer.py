@@ -1,0 +1,76 @@
+"""The peer is the same algorithm: its plasticity and its network give the project's numbers."""
+
+import gymnasium
+import numpy as np
+import pytest
+
+from neol.network import forward
+from neol.plasticity import RULES
+from neol.plasticity import learn as learn_in_a_kernel
+from neol.spec import RunSpec, load_configuration
+
+pytest.importorskip("neat", reason="neat-python is installed on demand: make bench")
+
+from benchmarks import peer
+
+
+def specification(method: str) -> RunSpec:
+    return load_configuration("smoke").run_spec(
+        task="cartpole",
+        method=method,
+        population=10,
+        learning_rate=None if method.startswith("neat") else 2.5,
+        generations=2,
+        seed=0,
+    )
+
+
+def test_a_run_of_the_peer_plays_every_genome() -> None:
+    result = peer.run_spec(specification("hebb"))
+    assert 2 * 10 <= result.steps <= 2 * 10 * 200
+    assert result.seconds > 0.0
+    assert 0.0 < result.best_fitness <= 200.0
+
+
+def test_the_peer_has_the_project_s_constants() -> None:
+    config = peer._config(specification("neat"), gymnasium.make("CartPole-v1"))
+    assert config.genome_config.weight_mutate_rate == 0.8
+    assert config.genome_config.initial_connection == "full_direct"
+    assert config.species_set_config.compatibility_threshold == 3.0
+    off = peer._config(specification("hebb"), gymnasium.make("CartPole-v1"))
+    assert off.genome_config.weight_mutate_rate == off.genome_config.bias_replace_rate == 0.0
+
+
+@pytest.mark.parametrize("rule", ["hebb", "oja", "bcm"])
+def test_the_peer_s_network_learns_as_the_project_s(rule: str) -> None:
+    spec = specification(rule)
+    config = peer._config(spec, gymnasium.make("CartPole-v1"))
+    population = peer.neat.Population(config, seed=1)
+    genome = next(iter(population.population.values()))
+    network = peer.neat.nn.FeedForwardNetwork.create(genome, config)
+    links = {node: list(links) for node, *_, links in network.node_evals}
+    bias = np.array([genome.nodes[output].bias for output in range(2)])
+    weight = np.array([w for output in range(2) for _, w in links[output]])
+    source = np.array([-1 - key for output in range(2) for key, _ in links[output]])
+    edge_offset, threshold = np.array([0, 4, 8]), np.zeros(2)
+    of_peer = {0: 0.0, 1: 0.0}
+    for step in range(5):
+        observation = np.random.default_rng(step).normal(size=4)
+        values = np.array([*observation, 0.0, 0.0])
+        forward(0, 2, bias, edge_offset, source, weight, 4, 2, 0, 50.0, values)
+        learn_in_a_kernel(
+            0, 2, edge_offset, source, weight, threshold, 4, RULES[rule], 0.3, 0.1, 10.0, values
+        )
+        outputs = network.activate(observation.tolist())
+        peer.learn(network, spec.plasticity, 0.3, of_peer)
+        assert outputs == pytest.approx(values[4:])
+    learned = [w for output in range(2) for _, w in dict_of_links(network)[output]]
+    assert learned == pytest.approx(weight.tolist())
+    assert learned != [w for output in range(2) for _, w in links[output]]
+    assert list(of_peer.values()) == pytest.approx(threshold.tolist())
+    peer.write_back(genome, network)
+    assert genome.connections[-1, 0].weight == dict(dict_of_links(network)[0])[-1]
+
+
+def dict_of_links(network: peer.Any) -> dict[int, list[tuple[int, float]]]:
+    return {node: links for node, *_, links in network.node_evals}

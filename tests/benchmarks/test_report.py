@@ -1,0 +1,92 @@
+"""The page says what the table says."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.report import render, write
+from benchmarks.scaling import BEGIN, END, replace_generated
+from benchmarks.table import Key, markdown, number, percent, summarise
+
+ABOUT = {"CPU": "2 x Abacus", "Date": "2026-01-01", "Run": "made up"}
+
+
+def made_up(task: str) -> dict[Key, list[float]]:
+    """Two rounds; the second is twice as slow for all but the peer."""
+    rounds = {
+        **{("engine", n): [13.0, 26.0] for n in ("initial", "large")},
+        **{("physics", n): [10.0, 20.0] for n in ("initial", "large")},
+        **{("resets", n): [1.0, 2.0] for n in ("initial", "large")},
+        **{("network", n): [1.0, 2.0] for n in ("initial", "large")},
+        **{("plasticity", n): [0.5, 1.0] for n in ("initial", "large")},
+        **{("gymnasium", n): [30.0, 60.0] for n in ("initial", "large")},
+        **{("reference", n): [40.0, 80.0] for n in ("initial", "large")},
+        **{(f"kernels_{rule}", "large"): [1.6, 3.2] for rule in ("hebb", "oja", "bcm")},
+        **{(f"c_{rule}", "large"): [1.0, 2.0] for rule in ("hebb", "oja", "bcm")},
+        ("run", ""): [20.0, 40.0],
+        ("peer", ""): [100.0, 100.0],
+        **{(f"run_{part}", ""): [2.0, 4.0] for part in ("network", "plasticity", "neat", "other")},
+        ("run_physics", ""): [10.0, 20.0],
+        ("run_generations", ""): [10.0],
+        ("neat_generation", ""): [30.0, 60.0],
+        ("one_worker", ""): [1.9, 3.8],
+        ("two_workers", ""): [1.0, 2.0],
+        ("short_run", "hebb"): [20.0],
+        ("short_run", "neat"): [20.0],
+        ("short_run_late_steps", "hebb"): [180.0],
+        ("short_run_late_steps", "neat"): [180.0],
+    }
+    return {(quantity, task, networks): v for (quantity, networks), v in rounds.items()}
+
+
+def test_ratios_are_taken_within_a_round() -> None:
+    table = summarise(made_up("hopper")).set_index(["quantity", "networks"])
+    assert table.loc[("times_faster", ""), "median"] == pytest.approx((5.0 + 2.5) / 2)
+    ratio = table.loc[("engine_over_physics", "initial")]
+    assert (ratio["minimum"], ratio["maximum"], ratio["rounds"]) == pytest.approx((1.3, 1.3, 2))
+    assert table.loc[("steps_over_physics", "initial"), "median"] == pytest.approx(1.2)
+    assert table.loc[("share_environment", ""), "median"] == pytest.approx(0.1)
+    # 30 ms against 300 episodes of 180 steps of 13 microseconds
+    share = 0.030 / (0.030 + 300 * 180 * 13e-6)
+    assert table.loc[("neat_share", ""), "minimum"] == pytest.approx(share)
+
+
+def test_the_page_says_which_targets_are_met(tmp_path: Path) -> None:
+    write(tmp_path, summarise(made_up("hopper")), ABOUT)
+    page = (tmp_path / "benchmarks.md").read_text()
+    assert "- CPU: 2 x Abacus" in page
+    assert "| whole run: times as fast as the peer | Hopper | ≥ 1.70 | 3.75 | met |" in page
+    assert "| engine / physics alone | Hopper | ≤ 1.15 | 1.30 | **missed** |" in page
+    assert "| ≤ 1.50 µs or ≤ 1.30 × C | 2.40 µs, 1.60 × C | **missed** |" in page
+    assert "CartPole |" not in page
+    assert (tmp_path / "benchmarks.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_scaling_is_written_between_its_markers(tmp_path: Path) -> None:
+    (tmp_path / "scaling.md").write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    write(tmp_path, summarise(made_up("lunar_lander")), ABOUT)
+    text = (tmp_path / "scaling.md").read_text()
+    assert text.startswith(f"before\n{BEGIN}\n")
+    assert text.endswith(f"{END}\nafter\n")
+    assert "old" not in text
+    # 136.5 million evaluations of 180 steps of 20 microseconds, and 150 of NEAT
+    assert f"| LunarLander | 136.5 | {number(136.5e6 * (180 * 20 + 150) / 3600e6)} |" in text
+    render(tmp_path)
+    assert (tmp_path / "scaling.md").read_text() == text
+
+
+def test_text_without_markers_is_refused() -> None:
+    with pytest.raises(AssertionError, match="generated: begin"):
+        replace_generated("no markers here", "new")
+
+
+def test_numbers_have_three_digits() -> None:
+    assert [number(v) for v in (1234.5, 99.95, 12.34, 0.456, None)] == [
+        "1,234",
+        "100.0",
+        "12.3",
+        "0.46",
+        "–",
+    ]
+    assert percent(0.1234) == "12.3%"
+    assert markdown(("a", "b"), [("1", "2")]) == "| a | b |\n| --- | ---: |\n| 1 | 2 |\n"
