@@ -1,0 +1,82 @@
+"""Documents name only what there is: functions, files, constants."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+from neol.campaign import blocks, cells
+from neol.spec import ROOT, budgets, load_configuration
+
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+CODE_SPAN = re.compile(r"`([^`\n]+)`")
+FUNCTION = re.compile(r"neol(?:\.\w+)+$")
+CONSTANT = re.compile(r"(?:network|plasticity|evaluation|neat)\.(?!py$)\w+$")
+LINK = re.compile(r"\]\((?!https?:|#)([^)#]+)")
+
+
+def code_spans(path: Path) -> list[str]:
+    return CODE_SPAN.findall(path.read_text(encoding="utf-8"))
+
+
+def resolve(name: str) -> object:
+    """What a dotted name such as neol.neat.genome.Genome.copy stands for."""
+    parts = name.split(".")
+    for length in range(len(parts), 0, -1):
+        try:
+            found: object = importlib.import_module(".".join(parts[:length]))
+        except ModuleNotFoundError:
+            continue
+        for attribute in parts[length:]:
+            found = getattr(found, attribute)
+        return found
+    raise ModuleNotFoundError(name)
+
+
+def test_algorithm_names_functions() -> None:
+    named = [span for span in code_spans(ROOT / "docs" / "algorithm.md") if FUNCTION.match(span)]
+    assert len(named) > 40
+
+
+def test_a_function_that_is_not_there_is_found_out() -> None:
+    with pytest.raises(AttributeError):
+        resolve("neol.neat.variation.mutate_everything")
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.stem)
+def test_every_function_named_exists(path: Path) -> None:
+    for span in code_spans(path):
+        if FUNCTION.match(span):
+            resolve(span)
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.stem)
+def test_every_constant_named_exists(path: Path) -> None:
+    constants = load_configuration("paper").model_dump()
+    for span in code_spans(path):
+        if CONSTANT.match(span):
+            section, key = span.split(".")
+            assert key in constants[section], span
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: path.stem)
+def test_every_link_leads_somewhere(path: Path) -> None:
+    for target in LINK.findall(path.read_text(encoding="utf-8")):
+        assert (path.parent / target).exists(), target
+
+
+def test_the_readme_knows_the_budgets_and_their_records() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    records = set()
+    for name in budgets():
+        configuration = load_configuration(name)
+        budget = configuration.budget
+        runs = len(cells(configuration)) * budget.seeds
+        populations = ", ".join(map(str, budget.populations))
+        assert (
+            f"| `{name}` | {budget.generations} | {budget.seeds} | {populations} "
+            f"| {len(budget.learning_rates)} | {runs:,} |"
+        ) in text
+        records |= {str(block.record) for block in blocks(configuration)}
+    assert set(re.findall(r"results/\S+\.parquet", text)) <= records
