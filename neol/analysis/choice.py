@@ -1,24 +1,50 @@
 """Which of a budget's cells stands for a method on a task."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from neol.campaign import Cell, cells, paper_cells
 from neol.spec import Configuration
 
-METHODS = ("bcm", "hebb", "oja", "neat")
-"""Columns of the paper's Table 1, in its order."""
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """How a table chooses the cells that it shows."""
+
+    methods: tuple[str, ...]
+    """Its columns, in the paper's order."""
+    metric: str
+    """Where there is a choice, the highest mean of this takes it."""
+    paper_table: int | None
+    """Of configurations: 3 or 4; None for the largest population with any learning rate."""
 
 
-def candidates(configuration: Configuration) -> dict[tuple[str, str], list[Cell]]:
-    """The cells that Table 1 chooses among, for each task and method that the budget has.
+SETTINGS = {
+    "table3": Setting(("bcm", "hebb", "oja", "neat"), "final_best", paper_table=3),
+    "table4": Setting(("bcm", "hebb", "oja", "neat_wo"), "final_best", paper_table=4),
+    "score": Setting(("bcm", "hebb", "oja", "neat", "neat_wo"), "score", paper_table=None),
+}
+"""Tables 1, 3 and 5; Tables 4 and 7; Tables 2, 6 and 8."""
 
-    The paper's configuration (Table 3) alone where the budget's grid has it, otherwise the grid.
+
+def candidates(
+    configuration: Configuration, setting: str = "table3"
+) -> dict[tuple[str, str], list[Cell]]:
+    """The cells that a setting chooses among, for each task and method that the budget has.
+
+    The paper's configuration alone where the budget's grid has it, otherwise the grid; for SCORE
+    what the grid has of the largest population.
     """
-    grid, paper = cells(configuration), paper_cells(configuration, table=3)
+    chosen_by, grid = SETTINGS[setting], cells(configuration)
+    table, largest = chosen_by.paper_table, max(configuration.budget.populations)
+    paper = {} if table is None else paper_cells(configuration, table)
     chosen: dict[tuple[str, str], list[Cell]] = {}
     for cell in grid:
         place = cell.task, cell.method
-        if cell.method in METHODS and paper.get(place, cell) == cell:
+        is_candidate = (
+            cell.population == largest if table is None else paper.get(place, cell) == cell
+        )
+        if cell.method in chosen_by.methods and is_candidate:
             chosen.setdefault(place, []).append(cell)
     return chosen
 

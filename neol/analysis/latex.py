@@ -14,13 +14,13 @@ _SPECIAL = {
     "~": "\\textasciitilde{}",
     "^": "\\textasciicircum{}",
     "±": "$\\pm$",
+    "×": "$\\times$",
     "<": "$<$",
     ">": "$>$",
-    "…": "\\dots{}",
 }
 
 
 def escape(text: str) -> str:
-    """The text for LaTeX; a hyphen before a number becomes a minus, but not one after a letter."""
+    """The text for LaTeX; a hyphen that is a minus becomes one, dashes and hyphens stay."""
     escaped = "".join(_SPECIAL.get(character, character) for character in text)
-    return re.sub(r"(?<![\w-])-(?=\d)", "$-$", escaped)
+    return re.sub(r"(?<![\w-])-(?=\d)|(?<= )-(?= )|(?<=\de)-(?=\d)", "$-$", escaped)

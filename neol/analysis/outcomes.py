@@ -1,6 +1,6 @@
 """What every run of a budget came to: one row a run, from which all statistics are made."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,8 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from neol.analysis.choice import best
-from neol.campaign import Cell
+from neol.analysis.choice import SETTINGS, best, candidates
+from neol.analysis.runs import Campaign
+from neol.analysis.score import mean_best_so_far
+from neol.campaign import Cell, cells
 
 Floats = npt.NDArray[np.float64]
 
@@ -21,12 +23,9 @@ METRICS = {
     "held_out": "held-out return of the champion",
 }
 """Outcomes of a run, and how they are called in print."""
-
-CHOSEN_BY = {"table3": "final_best", "table4": "final_best", "score": "score"}
-"""Each setting, and the metric whose highest mean chooses where the paper's cell is not there.
-
-`table3`, `table4`: the paper's configurations; `score`: the largest population and the best rate.
-"""
+_OWN = ("final_best", "score", "held_out")
+"""Those that a run has by itself; the others compare runs of a task up to where all have come."""
+_EQUAL = {"equal_evaluations": "evaluations", "equal_steps": "env_steps"}
 
 
 @dataclass(frozen=True)
@@ -71,13 +70,71 @@ class Outcomes:
         complete = [cell for cell in among if not self.missing(cell)]
         if not complete:
             return None
-        return best({cell: self.mean(cell, CHOSEN_BY[setting]) for cell in complete})
+        return best({cell: self.mean(cell, SETTINGS[setting].metric) for cell in complete})
 
     @cached_property
     def _by_cell(self) -> dict[Cell, pd.DataFrame]:
         keys = ["task", "method", "population", "learning_rate"]
         groups = self.runs.sort_values("seed").groupby(keys, dropna=False)
         return {_cell(*place): runs for place, runs in groups}  # type: ignore[arg-type]
+
+
+def gather(campaign: Campaign) -> Outcomes:
+    """The outcomes of all runs of a campaign."""
+    configuration = campaign.configuration
+    grid = tuple(cells(configuration))
+    rows = []
+    for cell in grid:
+        outcomes = {metric: campaign.values(cell, metric) for metric in _OWN}
+        rows += [
+            (cell.task, cell.method, cell.population, _rate(cell), seed, *row)
+            for seed, *row in zip(
+                outcomes["score"], *map(dict.values, outcomes.values()), strict=True
+            )
+        ]
+    columns = ["task", "method", "population", "learning_rate", "seed", *_OWN]
+    runs = pd.DataFrame(rows, columns=columns).astype({"learning_rate": np.float64})
+    for task in configuration.budget.tasks:
+        here = [cell for cell in grid if cell.task == task]
+        for metric, column in _EQUAL.items():
+            runs.loc[runs["task"] == task, metric] = _at_equal(campaign, here, column)
+    return Outcomes(
+        runs,
+        grid,
+        {setting: candidates(configuration, setting) for setting in SETTINGS},
+        configuration.budget.seeds,
+        configuration.budget.generations,
+    )
+
+
+def equal_range(campaign: Campaign, compared: Iterable[Cell], column: str) -> tuple[float, float]:
+    """From where and to where all runs of some cells have a best-so-far fitness: NaN without runs.
+
+    `column` is evaluations or env_steps. From the latest end of a first generation to the earliest
+    end of a run.
+    """
+    spent = [
+        (run.iloc[0], run.iloc[-1])
+        for cell in compared
+        for _, run in campaign.runs(cell).rows.groupby("seed")[column]
+    ]
+    if not spent:
+        return float("nan"), float("nan")
+    first, last = zip(*spent, strict=True)
+    return float(max(first)), float(min(last))
+
+
+def _at_equal(campaign: Campaign, compared: Sequence[Cell], column: str) -> list[float]:
+    first, last = equal_range(campaign, compared, column)
+    return [
+        mean_best_so_far(run["best_fitness"], run[column], first, last)
+        for cell in compared
+        for _, run in campaign.runs(cell).rows.groupby("seed")
+    ]
+
+
+def _rate(cell: Cell) -> float:
+    return float("nan") if cell.learning_rate is None else cell.learning_rate
 
 
 def _cell(task: str, method: str, population: int, learning_rate: float) -> Cell:

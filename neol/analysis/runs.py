@@ -1,15 +1,19 @@
 """A budget's runs, read from its records."""
 
 import hashlib
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
+from neol.analysis.score import Floats, samples, score
 from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
 from neol.errors import UserError
-from neol.records import Record, read_record
+from neol.records import SCHEMA, Record, read_record
 from neol.spec import Configuration
 
 
@@ -37,12 +41,22 @@ class CellRuns:
     missing: tuple[int, ...]
     """Seeds that the budget has and no record holds."""
     sources: tuple[Source, ...]
+    held_out: dict[int, float]
+    """Mean return of the champion in fresh episodes, by seed; NaN where all of them failed."""
 
     @cached_property
+    def best_fitness(self) -> dict[int, Floats]:
+        """Best fitness of each generation, by seed."""
+        rows = self.rows.sort_values(["seed", "generation"])
+        return {
+            int(seed): best.to_numpy(dtype=np.float64)  # type: ignore[arg-type]
+            for seed, best in rows.groupby("seed")["best_fitness"]
+        }
+
+    @property
     def final_best(self) -> dict[int, float]:
         """Best fitness of the final generation, by seed."""
-        final = self.rows.sort_values("generation").groupby("seed").last()
-        return {int(seed): float(value) for seed, value in final["best_fitness"].items()}  # type: ignore[call-overload]
+        return {seed: float(best[-1]) for seed, best in self.best_fitness.items()}
 
 
 class Campaign:
@@ -62,10 +76,31 @@ class Campaign:
             self._read[cell] = self._read_cell(cell)
         return self._read[cell]
 
+    def values(self, cell: Cell, metric: str) -> dict[int, float]:
+        """An outcome of the cell's runs by seed: final_best, score or held_out."""
+        runs = self.runs(cell)
+        if metric == "score":
+            return {
+                seed: score(best, cell.population, self.score_samples)
+                for seed, best in runs.best_fitness.items()
+            }
+        return {"final_best": runs.final_best, "held_out": runs.held_out}[metric]
+
+    @property
+    def score_samples(self) -> float:
+        """M, by which this budget's SCORE divides."""
+        budget = self.configuration.budget
+        return samples(budget.generations, max(budget.populations))
+
+    def sources(self, cells: Iterable[Cell]) -> tuple[Source, ...]:
+        """The records of some cells, each once."""
+        return tuple(source for cell in dict.fromkeys(cells) for source in self.runs(cell).sources)
+
     def _read_cell(self, cell: Cell) -> CellRuns:
         missing: list[int] = []
         rows: list[pd.DataFrame] = []
         sources: list[Source] = []
+        held_out: dict[int, float] = {}
         for block in self._blocks[cell]:
             below = block.record.relative_to(RESULTS)
             path = self._results / below
@@ -75,6 +110,9 @@ class Campaign:
             record = read_record(path, run_specs(self.configuration, block)[0])
             missing += _missing(path, record, block)
             rows.append(record.table.to_pandas())
+            for info in record.seeds:
+                mean = info.held_out.mean
+                held_out[info.seed] = math.nan if mean is None else mean
             sources.append(
                 Source(
                     path=str(Path(self._results.resolve().name, below)),
@@ -83,9 +121,8 @@ class Campaign:
                     runs={info.seed: info.digest for info in record.seeds},
                 )
             )
-        columns = ["seed", "generation", "best_fitness"]
-        table = pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=columns)
-        return CellRuns(cell, table, tuple(missing), tuple(sources))
+        table = pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=SCHEMA.names)
+        return CellRuns(cell, table, tuple(missing), tuple(sources), held_out)
 
 
 def _missing(path: Path, record: Record, block: Block) -> list[int]:

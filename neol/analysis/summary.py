@@ -1,22 +1,20 @@
-"""What the methods come to on each task: mean and deviation over seeds, ranked, and the paper's."""
+"""What methods come to on each task: mean and deviation over seeds, ranked, beside the paper's."""
 
 import math
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 from neol.analysis import reference
-from neol.analysis.choice import METHODS, best, candidates
+from neol.analysis.choice import SETTINGS, best, candidates
 from neol.analysis.runs import Campaign
+from neol.analysis.table import Emphasis as Rank
 from neol.campaign import Cell, paper_cells
-
-Rank = Literal["best", "runner-up", ""]
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """A method on a task: its cell, and the best final-generation fitness over the cell's seeds."""
+    """A method on a task: its cell, and an outcome over the cell's seeds."""
 
     population: int | None = None
     learning_rate: float | None = None
@@ -31,7 +29,7 @@ class OwnSummary(Summary):
     """The same, from records."""
 
     chosen: str = ""
-    """ "Table 3" for the paper's own cell, "grid" for the best of the budget's grid."""
+    """ "Table 3" or "Table 4" for the paper's own cell, "grid" for the best of the grid."""
     seeds: int = 0
     """How many there are."""
     incomplete: str = ""
@@ -48,16 +46,23 @@ class Comparison:
     paper: Summary
 
 
-def best_fitness(campaign: Campaign) -> list[Comparison]:
-    """The content of Table 1 (and of Table 3): each of the budget's tasks with each method."""
-    chosen_among = candidates(campaign.configuration)
+def compare(
+    campaign: Campaign, setting: str, table: int, methods: Sequence[str]
+) -> list[Comparison]:
+    """The content of a table of means: each of the budget's tasks with each method.
+
+    The setting chooses the cells and what is averaged; `table` has the paper's values.
+    """
+    chosen_among = candidates(campaign.configuration, setting)
     comparisons = []
     for task in campaign.configuration.budget.tasks:
-        here = [summarise(campaign, chosen_among.get((task, method), [])) for method in METHODS]
-        paper = [_paper_summary(task, method) for method in METHODS]
+        here = [
+            summarise(campaign, chosen_among.get((task, method), []), setting) for method in methods
+        ]
+        paper = [_paper_summary(task, method, setting, table) for method in methods]
         own_ranks = ranks([math.nan if each.incomplete else each.mean for each in here])
         paper_ranks = ranks([each.mean for each in paper])
-        for i, method in enumerate(METHODS):
+        for i, method in enumerate(methods):
             own = replace(here[i], rank=own_ranks[i])
             comparisons.append(
                 Comparison(task, method, own, replace(paper[i], rank=paper_ranks[i]))
@@ -65,7 +70,12 @@ def best_fitness(campaign: Campaign) -> list[Comparison]:
     return comparisons
 
 
-def summarise(campaign: Campaign, cells: Sequence[Cell]) -> OwnSummary:
+def best_fitness(campaign: Campaign) -> list[Comparison]:
+    """The content of Table 1 (and of Table 3)."""
+    return compare(campaign, "table3", table=1, methods=SETTINGS["table3"].methods)
+
+
+def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSummary:
     """The best of the cells: the highest mean, among those that have all their seeds.
 
     Of a single cell the mean is taken over the seeds that there are, and `incomplete` says so.
@@ -73,7 +83,8 @@ def summarise(campaign: Campaign, cells: Sequence[Cell]) -> OwnSummary:
     if not cells:
         return OwnSummary(incomplete="not in this budget")
     runs = {cell: campaign.runs(cell) for cell in cells}
-    values = {cell: list(runs[cell].final_best.values()) for cell in cells}
+    metric, table = SETTINGS[setting].metric, SETTINGS[setting].paper_table
+    values = {cell: list(campaign.values(cell, metric).values()) for cell in cells}
     complete = [cell for cell in cells if not runs[cell].missing]
     incomplete = ""
     if len(cells) == 1:
@@ -87,13 +98,13 @@ def summarise(campaign: Campaign, cells: Sequence[Cell]) -> OwnSummary:
     else:
         return OwnSummary(incomplete=f"none of {len(cells)} cells is complete")
     mean, sd = mean_sd(values[cell])
-    from_paper = cell in paper_cells(campaign.configuration, table=3).values()
+    from_paper = table is not None and cell in paper_cells(campaign.configuration, table).values()
     return OwnSummary(
         population=cell.population,
         learning_rate=cell.learning_rate,
         mean=mean,
         sd=sd,
-        chosen="Table 3" if from_paper else "grid",
+        chosen=f"Table {table}" if from_paper else "grid",
         seeds=len(values[cell]),
         incomplete=incomplete,
     )
@@ -119,8 +130,10 @@ def ranks(means: Sequence[float]) -> list[Rank]:
     return ["best" if mean == first else "runner-up" if mean == second else "" for mean in means]
 
 
-def _paper_summary(task: str, method: str) -> Summary:
-    """What the paper's Tables 1 and 3 print, nothing for a task that they do not have."""
-    mean, sd = reference.values(1).get((task, method), (math.nan, None))
-    population, learning_rate = reference.settings(3).get((task, method), (None, None))
+def _paper_summary(task: str, method: str, setting: str, table: int) -> Summary:
+    """What the paper's tables print, nothing for a task that they do not have."""
+    mean, sd = reference.values(table).get((task, method), (math.nan, None))
+    settings = SETTINGS[setting].paper_table
+    printed = {} if settings is None else reference.settings(settings)
+    population, learning_rate = printed.get((task, method), (None, None))
     return Summary(population, learning_rate, mean, math.nan if sd is None else sd)

@@ -1,164 +1,163 @@
-"""The paper's Tables 1 and 3 from a budget's records, each value beside the paper's own."""
+"""The paper's Tables 1 to 8 from a budget's records, each value beside the paper's own."""
 
-import html
 import math
-import re
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict
 from string import ascii_lowercase
-from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 
-from neol.analysis.choice import METHODS, candidates
-from neol.analysis.runs import Campaign, Source
-from neol.analysis.sidecar import command, write_sidecar
-from neol.analysis.summary import Comparison, OwnSummary, Rank, Summary, best_fitness
-from neol.files import write_atomically
+from neol.analysis import reference
+from neol.analysis.choice import SETTINGS, candidates
+from neol.analysis.labels import METHODS, task_label
+from neol.analysis.runs import Campaign
+from neol.analysis.statistics import Floats, holm, paper_statistic, rank_sum, superiority
+from neol.analysis.summary import Comparison, OwnSummary, Summary, compare
+from neol.analysis.table import Entry, Line, Table
+from neol.campaign import Cell
 from neol.spec import Configuration, load_configuration
 
-TASK_LABELS = {
-    "cartpole": "CartPole",
-    "lunar_lander": "Lunar Lander",
-    "hopper": "Hopper",
-    "bipedal_walker": "Bipedal Walker",
-}
-METHOD_LABELS = {"bcm": "BCM", "hebb": "Hebb", "oja": "Oja", "neat": "NEAT"}
+RULES = ("bcm", "hebb", "oja")
+ALPHA = 0.05
 NOTHING = "--"
-_MEANS: dict[str, Callable[[Comparison], float]] = {
-    "here": lambda comparison: comparison.here.mean,
-    "paper": lambda comparison: comparison.paper.mean,
-}
+_RANKED = (
+    "beneath each value the paper's own. Bold marks a row's highest mean, underline the runner-up; "
+    "equal means are marked alike, and a shared first place leaves no runner-up."
+)
+_CHOICE = (
+    "beneath each the paper's own. Where the budget's grid has the paper's, it is taken; otherwise "
+    "the cell of the grid with the highest mean of the best final-generation fitness over seeds "
+    "(of equal means the smaller population, then the smaller rate)."
+)
 
-# --- Tables -------------------------------------------------------------------------------------
-
-
-class Entry(NamedTuple):
-    """A printed value and how it stands in its line."""
-
-    text: str
-    rank: Rank = ""
-
-
-class Line(NamedTuple):
-    """A line of a table: its label, and an entry for each column."""
-
-    label: str
-    entries: tuple[Entry, ...]
-    is_paper: bool
-    """The paper's own values, printed small beneath ours."""
-
-
-@dataclass(frozen=True, repr=False)
-class Table:
-    """A table of the paper, made from a campaign's records. A notebook shows it as HTML."""
-
-    number: int
-    """In the paper."""
-    caption: str
-    columns: tuple[str, ...]
-    lines: tuple[Line, ...]
-    notes: tuple[str, ...]
-    """What is incomplete, each beginning with its mark in the table."""
-    comparisons: tuple[Comparison, ...]
-    """A row of the CSV each."""
-    configuration: Configuration
-    sources: tuple[Source, ...]
-    """The records behind it."""
-
-    @property
-    def name(self) -> str:
-        """The stem of its files: table1."""
-        return f"table{self.number}"
-
-    @property
-    def frame(self) -> pd.DataFrame:
-        """A row for each task and method, at full precision; the paper's have `paper_` in front."""
-        frame = pd.DataFrame([_flat(each) for each in self.comparisons])
-        return frame.astype({"population": "Int64", "paper_population": "Int64"})
-
-    def write(self, folder: Path) -> None:
-        """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""
-        folder.mkdir(parents=True, exist_ok=True)
-        path = folder / f"{self.name}.tex"
-        made_by = (
-            f"% Made by `{command(path, self.configuration)}` from what {self.name}.json lists."
-        )
-        write_atomically(path, f"{made_by}\n{self.latex()}\n".encode())
-        write_atomically(path.with_suffix(".csv"), self.frame.to_csv(index=False).encode())
-        write_sidecar(path, self.configuration, self.sources)
-
-    def latex(self) -> str:
-        """A table for \\input, numbered as in the paper; it needs the package booktabs."""
-        return "\n".join(
-            [
-                "\\begin{table}[tbp]",
-                f"  \\renewcommand{{\\thetable}}{{{self.number}}}",
-                "  \\centering",
-                f"  \\caption{{{_latex(self.caption)}}}",
-                f"  \\label{{tab:{self.name}}}",
-                "  \\medskip",
-                f"  \\begin{{tabular}}{{l{'c' * len(self.columns)}}}",
-                "    \\toprule",
-                "    " + " & ".join(["Task", *map(_latex, self.columns)]) + " \\\\",
-                "    \\midrule",
-                *(f"    {_latex_line(line)}" for line in self.lines),
-                "    \\bottomrule",
-                "  \\end{tabular}",
-                *(f"  \\par\\footnotesize {_latex(note)}" for note in self.notes),
-                "\\end{table}",
-            ]
-        )
-
-    def _repr_html_(self) -> str:
-        tags = {"best": "b", "runner-up": "u", "": "span"}
-        head = "".join(f"<th>{html.escape(text)}</th>" for text in ("Task", *self.columns))
-        body = ""
-        for line in self.lines:
-            cells = "".join(
-                f"<td><{tags[rank]}>{html.escape(text)}</{tags[rank]}></td>"
-                for text, rank in line.entries
-            )
-            body += f"<tr><td>{html.escape(line.label)}</td>{cells}</tr>"
-        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
-        caption = f"<caption>{html.escape(self.caption)}</caption>"
-        return f"<table>{caption}<tr>{head}</tr>{body}</table>{notes}"
+# --- Means --------------------------------------------------------------------------------------
 
 
 def table1(campaign: Campaign) -> Table:
     """Table 1: best final-generation fitness, mean and standard deviation over seeds."""
     title = (
-        "Best final-generation fitness, mean ± SD over seeds (n - 1 in its denominator); beneath "
-        "each value the paper's own. Bold marks a row's highest mean, underline the runner-up; "
-        "equal means are marked alike, and a shared first place leaves no runner-up. The "
-        "configurations are those of Table 3."
+        "Best final-generation fitness, mean ± SD over seeds (n - 1 in its denominator); "
+        f"{_RANKED} The configurations are those of Table 3."
     )
-    return _table(1, title, _value, campaign)
+    return _means(1, title, _fitness, campaign, "table3", SETTINGS["table3"].methods)
+
+
+def table2(campaign: Campaign) -> Table:
+    """Table 2: SCORE at the largest population and each method's best learning rate."""
+    title = f"{_score_title(campaign)} {_RANKED}"
+    return _means(2, title, _score, campaign, "score", (*RULES, "neat"))
 
 
 def table3(campaign: Campaign) -> Table:
     """Table 3: the configurations that Table 1 shows."""
+    title = f"Configurations behind Table 1, {_CHOICE}"
+    return _means(3, title, _setting, campaign, "table3", SETTINGS["table3"].methods, values=1)
+
+
+def table4(campaign: Campaign) -> Table:
+    """Table 4: the configurations that Table 7 shows."""
+    title = f"Configurations behind Table 7, {_CHOICE}"
+    return _means(4, title, _setting, campaign, "table4", SETTINGS["table4"].methods, values=7)
+
+
+def table7(campaign: Campaign) -> Table:
+    """Table 7: best final-generation fitness against NEAT without weight mutation."""
     title = (
-        "Configurations behind Table 1, beneath each the paper's own. Where the budget's grid has "
-        "the paper's, it is taken; otherwise the cell of the grid with the highest mean of the "
-        "best final-generation fitness over seeds (of equal means the smaller population, then "
-        "the smaller rate)."
+        "Ablation: best final-generation fitness, mean ± SD over seeds; NEAT (w/o) is NEAT without "
+        f"weight mutation; {_RANKED} The configurations are those of Table 4."
     )
-    return _table(3, title, _setting, campaign)
+    return _means(7, title, _fitness, campaign, "table4", SETTINGS["table4"].methods)
 
 
-def lead_over_neat(comparisons: Sequence[Comparison]) -> pd.DataFrame:
+def table8(campaign: Campaign) -> Table:
+    """Table 8: SCORE against NEAT without weight mutation."""
+    title = f"Ablation: {_score_title(campaign)} {_RANKED}"
+    return _means(8, title, _score, campaign, "score", (*RULES, "neat_wo"))
+
+
+def lead_over_neat(table: Table) -> pd.DataFrame:
     """How far each rule's mean is above NEAT's, here and in the paper: a row for each task."""
-    rows = {}
-    for task in dict.fromkeys(each.task for each in comparisons):
-        row = {each.method: each for each in comparisons if each.task == task}
-        rows[task_label(task)] = {
-            (METHOD_LABELS[method], place): mean(row[method]) - mean(row["neat"])
-            for method in METHODS[:-1]
-            for place, mean in _MEANS.items()
-        }
-    return pd.DataFrame.from_dict(rows, orient="index").round(2)
+    columns = {}
+    for method in RULES:
+        for place, mean in (("here", "mean"), ("paper", "paper_mean")):
+            means = table.frame.pivot(index="task", columns="method", values=mean)
+            columns[METHODS[method], place] = means[method] - means["neat"]
+    leads = pd.DataFrame(columns).reindex(table.frame["task"].unique())
+    return leads.rename(index=task_label).rename_axis(None).round(2)
+
+
+# --- p-values -----------------------------------------------------------------------------------
+
+
+def table5(campaign: Campaign) -> Table:
+    """Table 5: p-values of the rank-sum test against NEAT, of the fitness that Table 1 shows."""
+    return _p_values(5, "best final-generation fitness (Table 1)", campaign, "table3")
+
+
+def table6(campaign: Campaign) -> Table:
+    """Table 6: p-values of the rank-sum test against NEAT, of the SCORE that Table 2 shows."""
+    return _p_values(6, "SCORE (Table 2)", campaign, "score")
+
+
+def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Table:
+    means = {
+        (each.task, each.method): each.here
+        for each in compare(campaign, setting, number, (*RULES, "neat"))
+    }
+    printed = reference.values(number)
+    rows = []
+    for task in campaign.configuration.budget.tasks:
+        neat = means[task, "neat"]
+        against = _sample(campaign, task, "neat", neat, setting)
+        for method in RULES:
+            here = means[task, method]
+            sample = _sample(campaign, task, method, here, setting)
+            seeds = min(len(sample), len(against))
+            paper, _ = printed.get((task, f"{method}_vs_neat"), (math.nan, None))
+            paper_u = paper_statistic(paper, digits=4 if number == 5 else 3)
+            rows.append(
+                {
+                    "task": task,
+                    "method": method,
+                    "p": rank_sum(sample, against),
+                    "a12": float(superiority(sample, against)) if seeds else math.nan,
+                    "seeds": seeds,
+                    "incomplete": here.incomplete or neat.incomplete,
+                    "paper_p": paper,
+                    "paper_u": math.nan if paper_u is None else paper_u,
+                    "paper_a12": math.nan if paper_u is None else paper_u / 900,
+                }
+            )
+    frame = pd.DataFrame(rows)
+    frame.insert(3, "p_holm", holm(frame["p"].tolist()))
+    title = (
+        f"One-sided Wilcoxon rank-sum test of {outcome}, each rule against NEAT: p-values, beneath "
+        "each the paper's own. Bold: below 0.05."
+    )
+    marks = _marks(frame["incomplete"])
+    lines = []
+    for task in campaign.configuration.budget.tasks:
+        row = frame[frame["task"] == task]
+        ours = [
+            _mark(_p(p, 2), marks.get(why))
+            for p, why in zip(row["p"], row["incomplete"], strict=True)
+        ]
+        papers = [_p(p, 3 if number == 5 else 2) for p in row["paper_p"]]
+        lines += _two_lines(task, ours, papers)
+    columns = tuple(f"{METHODS[method]} vs NEAT" for method in RULES)
+    return _table(number, title, columns, lines, marks, frame, campaign, setting, (*RULES, "neat"))
+
+
+def _sample(campaign: Campaign, task: str, method: str, here: OwnSummary, setting: str) -> Floats:
+    """The outcomes of the cell that a summary is of; none where there is no such cell."""
+    if here.population is None:
+        return np.array([])
+    cell = Cell(task, method, here.population, here.learning_rate)
+    return np.array(list(campaign.values(cell, SETTINGS[setting].metric).values()))
+
+
+# --- Common -------------------------------------------------------------------------------------
 
 
 def describe_budget(configuration: Configuration) -> str:
@@ -175,46 +174,88 @@ def describe_budget(configuration: Configuration) -> str:
     return sentence if is_paper else f"{sentence} Reduced budget: not the paper's."
 
 
-def task_label(task: str) -> str:
-    """A task's name as the paper prints it."""
-    return TASK_LABELS.get(task, task.replace("_", " ").title())
+def describe_samples(campaign: Campaign) -> str:
+    """M of a budget's SCORE: 1e8."""
+    digits, _, exponent = f"{campaign.score_samples:.3e}".partition("e")
+    return f"{float(digits):g}e{int(exponent)}"
 
 
-def _table(number: int, title: str, entry: Callable[[Summary], Entry], campaign: Campaign) -> Table:
-    """A table whose entries are printed by `entry`."""
-    configuration = campaign.configuration
-    comparisons = best_fitness(campaign)
-    reasons = dict.fromkeys(each.here.incomplete for each in comparisons if each.here.incomplete)
-    marks = {
-        reason: f"({letter})" for reason, letter in zip(reasons, ascii_lowercase, strict=False)
-    }
+def _score_title(campaign: Campaign) -> str:
+    largest = max(campaign.configuration.budget.populations)
+    return (
+        f"SCORE (sample efficiency), mean ± SD over seeds, at population {largest} and each "
+        f"method's best learning rate, with M = {describe_samples(campaign)};"
+    )
 
-    def marked(own: OwnSummary) -> Entry:
-        text, rank = entry(own)
-        return Entry(f"{text} {marks.get(own.incomplete, '')}".strip(), rank)
 
+def _means(
+    number: int,
+    title: str,
+    entry: Callable[[Summary], Entry],
+    campaign: Campaign,
+    setting: str,
+    methods: Sequence[str],
+    values: int | None = None,
+) -> Table:
+    """A table whose entries are printed by `entry`; table `values` has the paper's means."""
+    comparisons = compare(campaign, setting, values or number, methods)
+    marks = _marks(each.here.incomplete for each in comparisons)
     lines = []
-    for task in configuration.budget.tasks:
+    for task in campaign.configuration.budget.tasks:
         row = [each for each in comparisons if each.task == task]
-        lines += [
-            Line(task_label(task), tuple(marked(each.here) for each in row), is_paper=False),
-            Line("paper", tuple(entry(each.paper) for each in row), is_paper=True),
-        ]
+        ours = [_mark(entry(each.here), marks.get(each.here.incomplete)) for each in row]
+        lines += _two_lines(task, ours, [entry(each.paper) for each in row])
+    frame = pd.DataFrame([_flat(each) for each in comparisons])
+    frame = frame.astype({"population": "Int64", "paper_population": "Int64"})
+    columns = tuple(METHODS[method] for method in methods)
+    return _table(number, title, columns, lines, marks, frame, campaign, setting, methods)
+
+
+def _table(
+    number: int,
+    title: str,
+    columns: tuple[str, ...],
+    lines: Sequence[Line],
+    marks: Mapping[str, str],
+    frame: pd.DataFrame,
+    campaign: Campaign,
+    setting: str,
+    methods: Sequence[str],
+) -> Table:
+    configuration = campaign.configuration
+    incomplete = [f"{mark} {reason}." for reason, mark in marks.items()]
+    shown = candidates(configuration, setting)
     return Table(
         number=number,
         caption=f"{title} {describe_budget(configuration)}",
-        columns=tuple(METHOD_LABELS[method] for method in METHODS),
+        columns=columns,
         lines=tuple(lines),
-        notes=tuple(f"{mark} {reason}." for reason, mark in marks.items()),
-        comparisons=tuple(comparisons),
+        notes=(*incomplete, *reference.CONTRADICTIONS.get(number, ())),
+        frame=frame,
         configuration=configuration,
-        sources=tuple(
-            source
-            for cells in candidates(configuration).values()
-            for cell in cells
-            for source in campaign.runs(cell).sources
+        sources=campaign.sources(
+            cell for (_, method), cells in shown.items() if method in methods for cell in cells
         ),
     )
+
+
+def _marks(reasons: Iterable[str]) -> dict[str, str]:
+    """A letter for each reason why a value is incomplete."""
+    distinct = dict.fromkeys(reason for reason in reasons if reason)
+    return {
+        reason: f"({letter})" for reason, letter in zip(distinct, ascii_lowercase, strict=False)
+    }
+
+
+def _mark(entry: Entry, mark: str | None) -> Entry:
+    return Entry(f"{entry.text} {mark}", entry.emphasis) if mark else entry
+
+
+def _two_lines(task: str, ours: Sequence[Entry], papers: Sequence[Entry]) -> list[Line]:
+    return [
+        Line(task_label(task), tuple(ours), is_paper=False),
+        Line("paper", tuple(papers), is_paper=True),
+    ]
 
 
 def _flat(comparison: Comparison) -> dict[str, object]:
@@ -226,15 +267,21 @@ def _flat(comparison: Comparison) -> dict[str, object]:
     }
 
 
-# --- Printing -----------------------------------------------------------------------------------
-
-
-def _value(summary: Summary) -> Entry:
+def _fitness(summary: Summary) -> Entry:
     """324.34 ± 3.86, as Table 1 prints it."""
+    return _mean_sd(summary, lambda value: f"{value:.2f}")
+
+
+def _score(summary: Summary) -> Entry:
+    """0.451 ± 0.0122: three significant figures, as in Table 2."""
+    return _mean_sd(summary, lambda value: f"{value:#.3g}".rstrip("."))
+
+
+def _mean_sd(summary: Summary, number: Callable[[float], str]) -> Entry:
     if math.isnan(summary.mean):
         return Entry(NOTHING)
-    sd = NOTHING if math.isnan(summary.sd) else f"{summary.sd:.2f}"
-    return Entry(f"{summary.mean:.2f} ± {sd}", summary.rank)
+    sd = NOTHING if math.isnan(summary.sd) else number(summary.sd)
+    return Entry(f"{number(summary.mean)} ± {sd}", summary.rank)
 
 
 def _setting(summary: Summary) -> Entry:
@@ -245,14 +292,9 @@ def _setting(summary: Summary) -> Entry:
     return Entry(f"pop={summary.population}{rate}")
 
 
-def _latex_line(line: Line) -> str:
-    commands = {"best": "\\textbf{%s}", "runner-up": "\\underline{%s}", "": "%s"}
-    label = f"\\quad {line.label}" if line.is_paper else _latex(line.label)
-    cells = [label, *(commands[rank] % _latex(text) for text, rank in line.entries)]
-    size, gap = ("\\footnotesize ", " \\addlinespace") if line.is_paper else ("", "")
-    return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\" + gap
-
-
-def _latex(text: str) -> str:
-    escaped = re.sub(r"([&%#_])", r"\\\1", text).replace("±", "$\\pm$")
-    return re.sub(r"(?<![\w-])-(?=\d)|(?<= )-(?= )", "$-$", escaped)  # minus signs, but no dashes
+def _p(p: float, decimals: int) -> Entry:
+    """1.20e-8, bold below 0.05."""
+    if math.isnan(p):
+        return Entry(NOTHING)
+    digits, exponent = f"{p:.{decimals}e}".split("e")
+    return Entry(f"{digits}e{int(exponent)}", "best" if p < ALPHA else "")

@@ -3,19 +3,33 @@
 import csv
 import hashlib
 import json
+import math
 import re
 from pathlib import Path
 
 import pytest
 
 from neol.analysis.runs import Campaign
-from neol.analysis.tables import Table, describe_budget, table1, table3
+from neol.analysis.table import Table
+from neol.analysis.tables import (
+    describe_budget,
+    lead_over_neat,
+    table1,
+    table2,
+    table3,
+    table4,
+    table5,
+    table6,
+    table7,
+    table8,
+)
 from neol.campaign import Cell
 from neol.spec import load_configuration
 from tests.analysis.made_up import configuration, write_campaign
 
 BEST = Cell("cartpole", "oja", 12, 0.0025)
 SECOND = Cell("cartpole", "neat", 6, None)
+ALL = (table1, table2, table3, table4, table5, table6, table7, table8)
 VALUES = {BEST: [2.0, 4.0, 9.0], SECOND: [1.0, 2.0, 3.0]}
 
 
@@ -48,8 +62,8 @@ def test_table_3_prints_as_the_paper_does(campaign: Campaign) -> None:
 
 
 def test_braces_and_rules_balance(campaign: Campaign) -> None:
-    for table in (table1(campaign), table3(campaign)):
-        latex = table.latex()
+    for make in ALL:
+        latex = make(campaign).latex()
         assert latex.count("{") == latex.count("}")
         assert all(latex.count(rule) == 1 for rule in ("\\toprule", "\\midrule", "\\bottomrule"))
         assert not re.search(r"(?<!\\)[%#_]", latex)
@@ -102,3 +116,67 @@ def test_only_the_papers_budget_is_the_papers() -> None:
     assert "Reduced" not in describe_budget(load_configuration("paper"))
     assert "Reduced" in describe_budget(load_configuration("paper", ["budget.seeds=29"]))
     assert "Reduced" in describe_budget(load_configuration("paper", ["neat.elitism=3"]))
+
+
+class TestOtherTables:
+    """Oja, population 12, lr 0.0025 ends at 2, 4, 9; NEAT, population 6, at 1, 2, 3; others -1.5.
+
+    Two generations, the first 1 higher. M = 1e8 x 2 x 12 / 150,000 = 16,000.
+    """
+
+    def test_table_2_is_score_at_the_largest_population(self, campaign: Campaign) -> None:
+        """Oja: 12 / 16,000 x (5, 9, 19), of mean 11; the others 12 / 16,000 x -2."""
+        table = table2(campaign)
+        assert r"\textbf{0.00825 $\pm$ 0.00541}" in row(table, "CartPole")
+        assert row(table, "CartPole").count(r"\underline{$-$0.00150 $\pm$ 0.00}") == 3
+        assert r"\underline{0.746 $\pm$ 0.00908}" in row(table, "paper")
+        assert "at population 12" in table.caption
+        assert "M = 1.6e4" in table.caption
+
+    def test_tables_4_and_7_have_neat_without_weight_mutation(self, campaign: Campaign) -> None:
+        assert row(table7(campaign), "CartPole").endswith(
+            r"\textbf{5.00 $\pm$ 3.61} & \underline{$-$1.50 $\pm$ 0.00} \\"
+        )
+        assert row(table4(campaign), "CartPole").endswith(r"pop=12, lr=0.0025 & pop=6 \\")
+        assert table7(campaign).columns[-1] == "NEAT (w/o)"
+
+    def test_table_8_compares_score_with_neat_without_weight_mutation(
+        self, campaign: Campaign
+    ) -> None:
+        assert r"\textbf{0.00825 $\pm$ 0.00541}" in row(table8(campaign), "CartPole")
+        assert r"\underline{0.746 $\pm$ 0.00959}" in row(table8(campaign), "paper")
+
+    def test_table_5_by_hand(self, campaign: Campaign) -> None:
+        """Oja (2, 4, 9) against NEAT (1, 2, 3): 7.5 of 9 pairs; the rules at -1.5 win none."""
+        frame = table5(campaign).frame.set_index("method")
+        assert frame.loc["oja", "a12"] == pytest.approx(7.5 / 9)
+        assert frame.loc["bcm", "a12"] == 0
+        z = (7.5 - 4.5 - 0.5) / (0.75 * (7 - 6 / 30)) ** 0.5  # one tie of two among six
+        assert frame.loc["oja", "p"] == pytest.approx(0.5 * math.erfc(z / 2**0.5))
+        assert frame.loc["oja", "p_holm"] == pytest.approx(3 * frame.loc["oja", "p"])
+
+    def test_table_5_prints_as_the_paper_does(self, tmp_path: Path) -> None:
+        constants = configuration(tasks=("hopper",), seeds=4)
+        better = {
+            Cell("hopper", method, 12, 0.25): [5.0, 6.0, 7.0, 8.0] for method in ("bcm", "hebb")
+        }
+        neat = {Cell("hopper", "neat", 6, None): [1.0, 2.0, 3.0, 4.0]}
+        write_campaign(tmp_path, constants, better | neat, otherwise=-9.0)
+        table = table5(Campaign(constants, tmp_path))
+        bold = r"\textbf{1.43e$-$2}"  # 1 / 70
+        assert row(table, "Hopper") == rf"Hopper & {bold} & {bold} & 9.96e$-$1 \\"
+        assert r"\footnotesize 5.746e$-$2" in row(table, "paper")
+        assert any("two-sided" in note for note in table.notes)
+        assert table.frame["paper_a12"].tolist() == [663 / 900, 579 / 900, 615 / 900]
+
+    def test_table_6_tests_score(self, campaign: Campaign) -> None:
+        """At population 12, where NEAT is one of the others."""
+        assert table6(campaign).frame.set_index("method").loc["oja", "a12"] == 1
+
+    def test_the_lead_over_neat(self, campaign: Campaign) -> None:
+        assert lead_over_neat(table1(campaign)).loc["CartPole", ("Oja", "here")] == 3.0
+
+    def test_no_record_at_all(self, tmp_path: Path) -> None:
+        for make in ALL:
+            table = make(Campaign(configuration(), tmp_path))
+            assert "-- (" in row(table, "CartPole")

@@ -1,0 +1,110 @@
+"""A table of the paper as LaTeX, HTML and CSV, with what it was made from."""
+
+import html
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import pandas as pd
+
+from neol.analysis.latex import escape
+from neol.analysis.runs import Source
+from neol.analysis.sidecar import command, write_sidecar
+from neol.files import write_atomically
+from neol.spec import Configuration
+
+Emphasis = Literal["best", "runner-up", ""]
+
+
+class Entry(NamedTuple):
+    """A printed value; "best" is bold, "runner-up" underlined."""
+
+    text: str
+    emphasis: Emphasis = ""
+
+
+class Line(NamedTuple):
+    """A line of a table: its label, and an entry for each column."""
+
+    label: str
+    entries: tuple[Entry, ...]
+    is_paper: bool
+    """The paper's own values, printed small beneath ours."""
+
+
+@dataclass(frozen=True, repr=False)
+class Table:
+    """A table of the paper, made from a campaign's records. A notebook shows it as HTML."""
+
+    number: int
+    """In the paper."""
+    caption: str
+    columns: tuple[str, ...]
+    lines: tuple[Line, ...]
+    notes: tuple[str, ...]
+    """What is incomplete, each beginning with its mark, and what the paper's numbers contradict."""
+    frame: pd.DataFrame
+    """A row for each task and method, at full precision; the paper's have `paper_` in front."""
+    configuration: Configuration
+    sources: tuple[Source, ...]
+    """The records behind it."""
+
+    @property
+    def name(self) -> str:
+        """The stem of its files: table1."""
+        return f"table{self.number}"
+
+    def write(self, folder: Path) -> None:
+        """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{self.name}.tex"
+        made_by = (
+            f"% Made by `{command(path, self.configuration)}` from what {self.name}.json lists."
+        )
+        write_atomically(path, f"{made_by}\n{self.latex()}\n".encode())
+        write_atomically(path.with_suffix(".csv"), self.frame.to_csv(index=False).encode())
+        write_sidecar(path, self.configuration, self.sources)
+
+    def latex(self) -> str:
+        """A table for \\input, numbered as in the paper; it needs the package booktabs."""
+        return "\n".join(
+            [
+                "\\begin{table}[tbp]",
+                f"  \\renewcommand{{\\thetable}}{{{self.number}}}",
+                "  \\centering",
+                f"  \\caption{{{escape(self.caption)}}}",
+                f"  \\label{{tab:{self.name}}}",
+                "  \\medskip",
+                f"  \\begin{{tabular}}{{l{'c' * len(self.columns)}}}",
+                "    \\toprule",
+                "    " + " & ".join(["Task", *map(escape, self.columns)]) + " \\\\",
+                "    \\midrule",
+                *(f"    {_latex_line(line)}" for line in self.lines),
+                "    \\bottomrule",
+                "  \\end{tabular}",
+                *(f"  \\par\\footnotesize {escape(note)}" for note in self.notes),
+                "\\end{table}",
+            ]
+        )
+
+    def _repr_html_(self) -> str:
+        tags = {"best": "b", "runner-up": "u", "": "span"}
+        head = "".join(f"<th>{html.escape(text)}</th>" for text in ("Task", *self.columns))
+        body = ""
+        for line in self.lines:
+            cells = "".join(
+                f"<td><{tags[emphasis]}>{html.escape(text)}</{tags[emphasis]}></td>"
+                for text, emphasis in line.entries
+            )
+            body += f"<tr><td>{html.escape(line.label)}</td>{cells}</tr>"
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
+        caption = f"<caption>{html.escape(self.caption)}</caption>"
+        return f"<table>{caption}<tr>{head}</tr>{body}</table>{notes}"
+
+
+def _latex_line(line: Line) -> str:
+    commands = {"best": "\\textbf{%s}", "runner-up": "\\underline{%s}", "": "%s"}
+    label = f"\\quad {line.label}" if line.is_paper else escape(line.label)
+    cells = [label, *(commands[emphasis] % escape(text) for text, emphasis in line.entries)]
+    size, gap = ("\\footnotesize ", " \\addlinespace") if line.is_paper else ("", "")
+    return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\" + gap

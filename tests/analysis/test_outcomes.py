@@ -1,0 +1,66 @@
+"""One row a run, the outcomes by hand, and which cell stands for a method."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from neol.analysis.outcomes import METRICS, Outcomes, equal_range, gather
+from neol.analysis.runs import Campaign
+from neol.campaign import Cell
+from tests.analysis.made_up import configuration, write_campaign
+
+OJA = Cell("cartpole", "oja", 12, 0.25)
+NEAT = Cell("cartpole", "neat", 6, None)
+
+
+def collected(folder: Path, values: dict[Cell, list[float | None]]) -> Outcomes:
+    constants = configuration(generations=3)
+    write_campaign(folder, constants, values)
+    return gather(Campaign(constants, folder))
+
+
+def test_the_outcomes_of_a_run_by_hand(tmp_path: Path) -> None:
+    """Seed 2 of Oja has 11, 10, 9; M = 1e8 x 3 x 12 / 150,000 = 24,000.
+
+    All runs of the task have a value from 12 evaluations (P = 12) to 18 (P = 6): there the first 11.
+    """
+    outcomes = collected(tmp_path, {OJA: [2.0, 4.0, 9.0]})
+    assert outcomes.values(OJA, "final_best").tolist() == [2, 4, 9]
+    assert outcomes.values(OJA, "score")[2] == pytest.approx(12 / 24_000 * (11 + 10 + 9))
+    assert outcomes.values(OJA, "held_out").tolist() == [1, 3, 8]
+    assert outcomes.values(OJA, "equal_evaluations").tolist() == [4, 6, 11]
+    assert outcomes.values(OJA, "equal_steps").tolist() == [4, 6, 11]
+
+
+def test_every_run_has_a_row(tmp_path: Path) -> None:
+    outcomes = collected(tmp_path, {})
+    assert len(outcomes.runs) == len(outcomes.cells) * 3
+    assert not outcomes.runs[list(METRICS)].isna().any(axis=None)
+    assert outcomes.mean(NEAT, "final_best") == 0
+
+
+def test_the_range_that_all_have(tmp_path: Path) -> None:
+    constants = configuration(generations=3)
+    write_campaign(tmp_path, constants, {})
+    campaign = Campaign(constants, tmp_path)
+    assert equal_range(campaign, [OJA, NEAT], "evaluations") == (12, 18)
+    assert equal_range(campaign, [NEAT], "env_steps") == (60, 180)
+    assert np.isnan(equal_range(campaign, [], "env_steps")).all()
+
+
+def test_missing_seeds_are_counted_and_such_a_cell_is_not_chosen(tmp_path: Path) -> None:
+    outcomes = collected(tmp_path, {OJA: [9.0, None, 9.0], NEAT: [None, None, None]})
+    assert (outcomes.missing(OJA), outcomes.missing(NEAT)) == (1, 3)
+    assert outcomes.chosen("table3", "cartpole", "oja") != OJA
+    assert outcomes.values(NEAT, "score").tolist() == []
+    assert np.isnan(outcomes.mean(NEAT, "score"))
+
+
+def test_the_chosen_cell_is_the_best_of_its_setting(tmp_path: Path) -> None:
+    small = Cell("cartpole", "oja", 6, 0.0025)
+    outcomes = collected(tmp_path, {OJA: [5.0] * 3, small: [6.0] * 3})
+    assert outcomes.chosen("table3", "cartpole", "oja") == small
+    assert outcomes.chosen("score", "cartpole", "oja") == OJA  # of the largest population
+    assert outcomes.chosen("table3", "cartpole", "neat_wo") is None
+    assert outcomes.chosen("table4", "cartpole", "neat_wo") is not None
