@@ -19,7 +19,6 @@ import numpy.typing as npt
 
 from benchmarks import c_loop
 from benchmarks.networks import initial_topology, join, large, recording_of
-from benchmarks.peer import run_spec
 from benchmarks.trajectories import (
     Recording,
     record,
@@ -49,23 +48,25 @@ class Scale:
 
     steps: int
     """Environment steps of a recording."""
-    generations: int
-    """Of the whole runs against the peer, which have P = 50."""
+    run: int
+    """Generations of the whole runs against the peer, P = 50."""
+    worker_run: int
+    """Generations of the runs with one and two workers, P = 100."""
     short_run: int
-    """Generations of the runs that tell how long evaluations are, which have P = 50 too."""
+    """Generations of the runs that tell how long evaluations are, P = 50."""
 
 
 FULL = {
-    "cartpole": Scale(20_000, 30, 200),
-    "lunar_lander": Scale(15_000, 15, 200),
-    "hopper": Scale(6_000, 8, 20),
-    "bipedal_walker": Scale(6_000, 2, 20),
+    "cartpole": Scale(steps=20_000, run=30, worker_run=20, short_run=100),
+    "lunar_lander": Scale(steps=8_000, run=10, worker_run=5, short_run=100),
+    "hopper": Scale(steps=4_000, run=3, worker_run=1, short_run=12),
+    "bipedal_walker": Scale(steps=4_000, run=2, worker_run=1, short_run=20),
 }
 QUICK = {
-    "cartpole": Scale(10_000, 4, 10),
-    "lunar_lander": Scale(4_000, 3, 10),
-    "hopper": Scale(2_000, 3, 3),
-    "bipedal_walker": Scale(3_000, 1, 3),
+    "cartpole": Scale(steps=10_000, run=10, worker_run=5, short_run=10),
+    "lunar_lander": Scale(steps=4_000, run=3, worker_run=2, short_run=10),
+    "hopper": Scale(steps=2_000, run=2, worker_run=1, short_run=3),
+    "bipedal_walker": Scale(steps=2_000, run=1, worker_run=1, short_run=3),
 }
 POPULATION = 50
 
@@ -107,20 +108,21 @@ def engine_contestants(recording: Recording) -> dict[str, Contestant]:
         rule = cpu_seconds(lambda: recording.play_back(METHOD))
         return {"network": none * per_step, "plasticity": (rule - none) * per_step}
 
-    contestants: dict[str, Contestant] = {
-        "engine": lambda: {
-            "engine": cpu_seconds(lambda: recording.engine.evaluate(*played)) * per_step
-        },
+    def neighbours() -> Values:
+        values = {"engine": cpu_seconds(lambda: recording.engine.evaluate(*played)) * per_step}
+        if recording.task.name != "cartpole":
+            values["physics"] = seconds_of_physics(recording) * per_step
+        return values
+
+    return {
+        "engine, physics": neighbours,
         "resets": lambda: {"resets": _mean_of(seconds_of_resets, recording) * per_step},
+        "playback": playback,
         "gymnasium": lambda: {"gymnasium": seconds_of_gymnasium(recording) * per_step},
         "reference": lambda: {
             "reference": cpu_seconds(lambda: reference.evaluate(*played)) * per_step
         },
-        "playback": playback,
     }
-    if recording.task.name != "cartpole":
-        contestants["physics"] = lambda: {"physics": seconds_of_physics(recording) * per_step}
-    return contestants
 
 
 def _mean_of(seconds: Callable[[Recording], float], recording: Recording) -> float:
@@ -214,6 +216,8 @@ def whole_run_contestants(spec: RunSpec, engine: Engine) -> dict[str, Contestant
     the engine's part, the episodes of that very run are recorded beforehand: they are played back
     without a world (network, plasticity), and the physics is stepped without a network.
     """
+    from benchmarks import peer as neat_python
+
     capture = MeasuringEngine(engine, keep=True)
     run_seed(spec, capture)
     capture.kept.pop()  # the held-out episode
@@ -238,7 +242,7 @@ def whole_run_contestants(spec: RunSpec, engine: Engine) -> dict[str, Contestant
         }
 
     def peer() -> Values:
-        result = run_spec(spec)
+        result = neat_python.run_spec(spec)
         return {
             "peer": result.seconds / result.steps * 1e6,
             "peer_steps_per_evaluation": result.steps / (spec.population * spec.generations),
@@ -253,7 +257,7 @@ def whole_run_contestants(spec: RunSpec, engine: Engine) -> dict[str, Contestant
             values["run_physics"] = seconds_of_physics(recording) * per_step
         return values
 
-    return {"ours": ours, "peer": peer, "episodes": episodes}
+    return {"ours": ours, "episodes": episodes, "peer": peer}
 
 
 def worker_contestants(spec: RunSpec) -> dict[str, Contestant]:

@@ -14,11 +14,18 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import gymnasium
-import neat
 import numpy as np
 
+from neol.errors import UserError
 from neol.seeding import episode_seeds
 from neol.spec import Plasticity, RunSpec, load_configuration
+
+try:
+    import neat
+except ModuleNotFoundError:
+    raise UserError(
+        "the peer needs neat-python: make bench, or pip install -r benchmarks/requirements.lock"
+    ) from None
 
 
 class PeerRun(NamedTuple):

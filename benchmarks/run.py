@@ -10,6 +10,7 @@ import sys
 import time
 import warnings
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks import measure, report
@@ -19,12 +20,15 @@ from neol.errors import UserError
 from neol.rollout import make_engine
 
 
-def main() -> None:
-    arguments = _arguments()
+def main(command_line: Sequence[str] | None = None) -> None:
+    """Measure and write. Arguments are the command line's where None are given."""
+    arguments = _arguments(command_line)
     logging.disable(logging.WARNING)
     warnings.filterwarnings("ignore")
     begin = time.perf_counter()
     try:
+        import benchmarks.peer  # noqa: F401  # says at once what it needs
+
         values = run(arguments.tasks, arguments.rounds, arguments.quick)
     except UserError as error:
         sys.exit(f"benchmarks: {error}")
@@ -70,7 +74,7 @@ def _prepare(
 ) -> list[tuple[str, Contestant]]:
     """A task's contestants, warm: every kernel compiled, every library loaded."""
     contestants: list[tuple[str, Contestant]] = []
-    recordings = measure.both_recordings(task, scale, generations=3 if quick else 15)
+    recordings = measure.both_recordings(task, scale, generations=3 if quick else 8)
     for networks, recording in recordings.items():
         values["recorded_steps_per_episode", task, networks].append(
             recording.steps / len(recording.seeds)
@@ -78,12 +82,12 @@ def _prepare(
         contestants += [(networks, c) for c in measure.engine_contestants(recording).values()]
     contestants.append(("large", measure.c_contestant(recordings["large"])))
 
-    spec = measure.run_spec_of(task, measure.POPULATION, scale.generations)
+    spec = measure.run_spec_of(task, measure.POPULATION, scale.run)
     engine = make_engine(spec.task, "fast")
-    values["run_generations", task, ""].append(float(scale.generations))
+    values["run_generations", task, ""].append(float(scale.run))
     contestants += [("", c) for c in measure.whole_run_contestants(spec, engine).values()]
 
-    spec = measure.run_spec_of(task, 100, 1 if quick else 2)
+    spec = measure.run_spec_of(task, 100, scale.worker_run)
     contestants += [("", c) for c in measure.worker_contestants(spec).values()]
 
     sizes, grown = measure.neat_after(task, 300, 30 if quick else 200, timed=3 if quick else 10)
@@ -93,15 +97,15 @@ def _prepare(
     return contestants
 
 
-def _arguments() -> argparse.Namespace:
+def _arguments(command_line: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.run", description=__doc__)
     parser.add_argument(
         "--tasks", nargs="+", choices=list(measure.FULL), default=list(measure.FULL)
     )
-    parser.add_argument("--rounds", type=int, default=None, help="at least 5; 2 with --quick")
+    parser.add_argument("--rounds", type=int, default=None, help="5, or 2 with --quick")
     parser.add_argument("--quick", action="store_true", help="a small run, to see that all works")
     parser.add_argument("--output", type=Path, default=report.DOCS)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(command_line)
     arguments.rounds = arguments.rounds or (2 if arguments.quick else 5)
     return arguments
 

@@ -78,14 +78,17 @@ class Playback(NamedTuple):
 
     @kernel
     def reset(self, random: State, observation: Array) -> None:
-        observation[:] = self.observation[self.row[0]]
-        self.row[0] += 1
+        row = self.row[0]
+        for i in range(len(observation)):
+            observation[i] = self.observation[row, i]
+        self.row[0] = row + 1
 
     @kernel
     def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
         row = self.row[0]
-        observation[:] = self.observation[row]
-        self.row[0] += 1
+        for i in range(len(observation)):
+            observation[i] = self.observation[row, i]
+        self.row[0] = row + 1
         return self.reward[row], self.ended[row]
 
     @kernel
