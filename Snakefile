@@ -1,4 +1,4 @@
-"""From a budget's runs to the paper's tables: `snakemake figures/table1.tex`.
+"""From a budget's runs to the paper's tables and figures: `snakemake figures/table1.tex`, `snakemake all`.
 
 `snakemake tables --config budget=desk` spends another budget and writes to figures/desk/. A run is made where its
 record is missing or its specification has changed, whatever the times of files.
@@ -9,6 +9,7 @@ from glob import glob
 from pathlib import Path
 
 from neol.analysis.choice import candidates
+from neol.analysis.labels import HEATMAPS
 from neol.campaign import blocks, run_specs
 from neol.errors import UserError
 from neol.spec import budgets, load_configuration
@@ -16,7 +17,8 @@ from neol.spec import budgets, load_configuration
 DEFAULT_BUDGET = "smoke"
 BUDGET = str(config.get("budget", DEFAULT_BUDGET))
 FIGURES = "figures" if BUDGET == DEFAULT_BUDGET else f"figures/{BUDGET}"
-TABLES = expand("{folder}/{table}", folder=FIGURES, table=["table1", "table3"])
+TABLE, FIGURE = ("tex", "csv", "json"), ("pdf", "png", "json")
+DRAWING = {"style", "drawing", "figures", "paper_figures", "beyond_figures"}
 
 # The Python of this environment, also where it is not activated.
 shell.prefix(
@@ -60,10 +62,28 @@ def run_specification(wildcards):
     return run_specs(CONFIGURATION, block(wildcards))[0].digest()
 
 
-def table_records(wildcards):
-    """The records that the tables are made from."""
-    shown = {cell for cells in candidates(CONFIGURATION).values() for cell in cells}
-    return [path for path, block in BLOCKS.items() if block.cell in shown]
+def shown(*settings):
+    """The records that tables of some settings choose among; of all cells without any."""
+    cells = {
+        cell
+        for setting in settings
+        for among in candidates(CONFIGURATION, setting).values()
+        for cell in among
+    }
+    return [
+        path for path, block in BLOCKS.items() if block.cell in cells or not settings
+    ]
+
+
+def outputs(kinds, *names):
+    """The files of some tables or figures."""
+    return expand(f"{FIGURES}/{{name}}.{{kind}}", name=names, kind=kinds)
+
+
+def code(*, draws):
+    """What a notebook's outputs depend on: a change of drawing makes no table anew."""
+    files = Path("neol/analysis").glob("*.py")
+    return sorted(str(file) for file in files if draws or file.stem not in DRAWING)
 
 
 def ask_otherwise(wildcards):
@@ -78,9 +98,60 @@ def ask_otherwise(wildcards):
     )
 
 
+heatmaps = [
+    f"figure{number}"
+    for number, (task, _) in HEATMAPS.items()
+    if task in CONFIGURATION.budget.tasks
+]
+# Each notebook: what it makes, the records that it reads, the code that it stands on.
+NOTEBOOKS = {
+    "tables": (
+        outputs(TABLE, "table1", "table3", "table5"),
+        shown("table3"),
+        code(draws=False),
+    ),
+    "efficiency": (
+        outputs(TABLE, "table2", "table6"),
+        shown("score"),
+        code(draws=False),
+    ),
+    "ablation": (
+        outputs(TABLE, "table4", "table7", "table8"),
+        shown("table4", "score"),
+        code(draws=False),
+    ),
+    "convergence": (
+        outputs(FIGURE, "figure2", "figure3"),
+        shown("table3", "table4"),
+        code(draws=True),
+    ),
+    "heatmaps": (outputs(FIGURE, *heatmaps), shown(), code(draws=True)),
+    "claims": (outputs((*TABLE, "md"), "claims"), shown(), code(draws=False)),
+    "beyond": (
+        outputs(
+            (*FIGURE, "csv"),
+            "beyond_effects",
+            "beyond_aggregates",
+            "beyond_efficiency",
+            "beyond_selection",
+        ),
+        shown(),
+        code(draws=True),
+    ),
+}
+
+
+def made_by(*notebooks):
+    """What some notebooks make."""
+    return [path for notebook in notebooks for path in NOTEBOOKS[notebook][0]]
+
+
 localrules:
     all,
     tables,
+    figures,
+    claims,
+    beyond,
     records,
     elsewhere,
 
@@ -93,12 +164,27 @@ wildcard_constraints:
 rule all:
     input:
         list(BLOCKS),
-        expand("{table}.tex", table=TABLES),
+        made_by(*NOTEBOOKS),
 
 
 rule tables:
     input:
-        expand("{table}.tex", table=TABLES),
+        made_by("tables", "efficiency", "ablation"),
+
+
+rule figures:
+    input:
+        made_by("convergence", "heatmaps"),
+
+
+rule claims:
+    input:
+        made_by("claims"),
+
+
+rule beyond:
+    input:
+        made_by("beyond"),
 
 
 rule records:
@@ -125,30 +211,36 @@ rule run:
         "python -m neol run {params.arguments} --workers {threads} --resume --quiet --output {output} > {log} 2>&1"
 
 
-rule paper_tables:
-    input:
-        notebook="notebooks/tables.ipynb",
-        code=sorted(glob("neol/analysis/*.py")),
-        reference=sorted(glob("paper/reference/*.csv")),
-        records=table_records,
-    output:
-        expand("{table}.{suffix}", table=TABLES, suffix=["tex", "csv", "json"]),
-        notebook=f"build/{BUDGET}/tables.ipynb",
-    log:
-        f"logs/{BUDGET}/tables.log",
-    benchmark:
-        f"logs/{BUDGET}/tables.tsv"
-    conda:
-        "environment.yml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        budget=BUDGET,
-        output=f"../{FIGURES}",
-    shell:
-        "python -m papermill --cwd notebooks -p budget {params.budget} -p results ../results -p output {params.output} "
-        "{input.notebook} {output.notebook} > {log} 2>&1"
+for notebook, (made, records, modules) in NOTEBOOKS.items():
+
+    rule:
+        name:
+            f"{notebook}_notebook"
+        input:
+            notebook=f"notebooks/{notebook}.ipynb",
+            code=modules,
+            paper=["paper/claims.yaml", *sorted(glob("paper/reference/*.csv"))],
+            records=records,
+        output:
+            made,
+            notebook=f"build/{BUDGET}/{notebook}.ipynb",
+            page=f"build/{BUDGET}/{notebook}.html",
+        log:
+            f"logs/{BUDGET}/{notebook}.log",
+        benchmark:
+            f"logs/{BUDGET}/{notebook}.tsv"
+        conda:
+            "environment.yml"
+        threads: 1
+        resources:
+            mem_mb=1000,
+        params:
+            budget=BUDGET,
+            output=f"../{FIGURES}",
+        shell:
+            "(python -m papermill --cwd notebooks -p budget {params.budget} -p results ../results "
+            "-p output {params.output} {input.notebook} {output.notebook} && "
+            "python -m nbconvert --to html {output.notebook}) > {log} 2>&1"
 
 
 rule elsewhere:

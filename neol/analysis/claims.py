@@ -26,7 +26,7 @@ from neol.analysis.evidence import Compare, Gain, Part, Rank, Significant
 from neol.analysis.grid_evidence import Level, Peak, Sensitivity, Share, Trend
 from neol.analysis.outcomes import Outcomes
 from neol.analysis.score import PAPER_GENERATIONS
-from neol.analysis.statistics import RESAMPLES, bootstrap, interval, rank_sum
+from neol.analysis.statistics import RESAMPLES, bootstrap, interval, rank_sum, seeds_for
 from neol.errors import UserError
 from neol.spec import ROOT, Model
 
@@ -77,6 +77,8 @@ class Finding:
     """One-sided, for a claim about significance."""
     seeds: int = 0
     """Of the cell that has the fewest."""
+    needed: float = math.nan
+    """Seeds with which an effect of this size would be found 4 times of 5."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +147,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     effect = float(part.effect(*samples))
     replicates = bootstrap(part.effect, samples, random, RESAMPLES)
     low, high = (float(bound) for bound in interval(replicates, seeds, 1 - ALPHA))
+    needed = seeds_for(effect, float(replicates.std(ddof=1)), seeds)
     _, highest = (float(bound) for bound in interval(replicates, seeds, 1 - alpha))
     p = math.nan
     if part.rule == "interval":
@@ -163,7 +166,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         verdict, reason = "undecided", f"fewer than {LEAST_SEEDS} seeds"
     elif wrong and part.grows and outcomes.generations < PAPER_GENERATIONS:
         verdict, reason = "undecided", f"fewer than {PAPER_GENERATIONS} generations"
-    return Finding(part, verdict, reason, effect, low, high, p, seeds)
+    return Finding(part, verdict, reason, effect, low, high, p, seeds, needed)
 
 
 def _first(error: ValidationError) -> str:

@@ -7,6 +7,11 @@ TASKS = {
     "hopper": "Hopper",
     "bipedal_walker": "Bipedal Walker",
 }
+HEATMAPS = {
+    **{4 + position: (task, "final_best") for position, task in enumerate(TASKS)},
+    **{8 + position: (task, "score") for position, task in enumerate(TASKS)},
+}
+"""The paper's Figures 4 to 11: task and outcome of each."""
 
 
 def task_label(task: str) -> str:

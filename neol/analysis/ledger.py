@@ -3,12 +3,18 @@
 import math
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
 import pandas as pd
 
 from neol.analysis import claims
 from neol.analysis.claims import Decision, Finding
 from neol.analysis.latex import escape
+from neol.analysis.runs import Campaign
+from neol.analysis.sidecar import write_sidecar
+from neol.analysis.tables import describe_budget
+from neol.campaign import cells
+from neol.files import write_atomically
 
 
 def as_table(decisions: Sequence[Decision]) -> pd.DataFrame:
@@ -27,6 +33,7 @@ def as_table(decisions: Sequence[Decision]) -> pd.DataFrame:
                 "high": finding.high,
                 "p": finding.p,
                 "seeds": finding.seeds,
+                "seeds_needed": finding.needed,
                 "metric": finding.part.metric,
                 "unit": finding.part.unit,
             }
@@ -98,10 +105,14 @@ def _section(decision: Decision) -> list[str]:
     lines += [f"Note: {claim.note}"] if claim.note else []
     rows = [
         f"| {finding.part.label} | {finding.verdict} | {_effect(finding)} | {finding.part.unit} "
-        f"| {_p(finding)} | {finding.seeds or '--'} | {finding.reason} |"
+        f"| {_p(finding)} | {finding.seeds or '--'} | {_seeds(finding.needed)} | {finding.reason} |"
         for finding in decision.findings
     ]
-    head = "| part | verdict | effect [95% interval] | of | p | n | why |\n" + "| --- " * 7 + "|"
+    head = (
+        "| part | verdict | effect [95% interval] | of | p | n | needed | why |\n"
+        + "| --- " * 8
+        + "|"
+    )
     return [*lines, "\n".join([head, *rows])]
 
 
@@ -129,5 +140,23 @@ def _p(finding: Finding) -> str:
     return "" if math.isnan(finding.p) else f"{finding.p:.3g}"
 
 
+def _seeds(needed: float) -> str:
+    return f"{needed:.0f}" if needed < 10_000 else "--"
+
+
 def _number(value: float) -> str:
-    return "--" if math.isnan(value) else f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    if math.isnan(value):
+        return "--"
+    return f"{value + 0.0:.3g}" if abs(value) < 1000 else f"{value:.0f}"  # + 0.0: no "-0"
+
+
+def write_ledger(folder: Path, decisions: Sequence[Decision], campaign: Campaign) -> None:
+    """Write claims.tex, claims.csv (each part, full precision), claims.md and claims.json."""
+    folder.mkdir(parents=True, exist_ok=True)
+    budget = describe_budget(campaign.configuration)
+    path = folder / "claims.tex"
+    write_atomically(path, f"{as_latex(decisions, budget)}\n".encode())
+    write_atomically(path.with_suffix(".csv"), as_table(decisions).to_csv(index=False).encode())
+    write_atomically(path.with_suffix(".md"), as_markdown(decisions, budget).encode())
+    sources = campaign.sources(cells(campaign.configuration))
+    write_sidecar(path, campaign.configuration, sources)

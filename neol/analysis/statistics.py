@@ -215,5 +215,17 @@ def seeds_needed(superiority: float, *, alpha: float = 0.05, power: float = 0.8)
     return float(math.ceil(z**2 / (6 * (superiority - 0.5) ** 2)))
 
 
+def seeds_for(effect: float, error: float, seeds: int, power: float = 0.8) -> float:
+    """Seeds with which a 95% interval excludes 0 this often, for an effect of any kind.
+
+    From its bootstrap standard error at so many seeds, which shrinks with their square root:
+    n ((z_0.975 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect.
+    """
+    if effect == 0:
+        return math.inf
+    z = stats.norm.isf(0.025) + stats.norm.isf(1 - power)
+    return float(max(2, math.ceil(seeds * (z * error / effect) ** 2)))
+
+
 def _same(value: float, printed: float, digits: int) -> bool:
     return float(f"{value:.{digits - 1}e}") == printed

@@ -23,7 +23,7 @@ def collected(folder: Path, values: dict[Cell, list[float | None]]) -> Outcomes:
 def test_the_outcomes_of_a_run_by_hand(tmp_path: Path) -> None:
     """Seed 2 of Oja has 11, 10, 9; M = 1e8 x 3 x 12 / 150,000 = 24,000.
 
-    All runs of the task have a value from 12 evaluations (P = 12) to 18 (P = 6): there the first 11.
+    All runs have a value from 12 evaluations (P = 12) to 18 (P = 6): there the first 11.
     """
     outcomes = collected(tmp_path, {OJA: [2.0, 4.0, 9.0]})
     assert outcomes.values(OJA, "final_best").tolist() == [2, 4, 9]

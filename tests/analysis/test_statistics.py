@@ -23,6 +23,7 @@ from neol.analysis.statistics import (
     performance_profile,
     rank_sum,
     sd_difference,
+    seeds_for,
     seeds_needed,
     superiority,
 )
@@ -204,6 +205,12 @@ class TestPower:
         assert seeds_needed(0.5) == math.inf
         assert math.isnan(seeds_needed(math.nan))
         assert seeds_needed(1.0) == 5
+
+    def test_for_any_effect_by_hand(self) -> None:
+        """A mean difference of half a standard deviation: error sqrt(2 / 10) at 10 seeds."""
+        assert seeds_for(0.5, math.sqrt(2 / 10), 10) == math.ceil(2 * (2.8016 / 0.5) ** 2)
+        assert seeds_for(0, 1, 10) == math.inf
+        assert seeds_for(3, 0, 10) == 2
 
     @pytest.mark.slow
     def test_simulated_power_is_what_was_asked_for(self) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from neol.campaign import blocks
-from neol.spec import load_configuration
+from neol.spec import ROOT, load_configuration
 from tests.workflow.clone import fresh_clone, planned, snakemake
 
 pytestmark = pytest.mark.slow
@@ -18,14 +18,23 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_everything_of_the_papers_budget(clone: Path) -> None:
     jobs = len(blocks(load_configuration("paper")))
-    assert planned(clone, "all", "--config", "budget=paper") == {"run": jobs, "paper_tables": 1}
+    notebooks = {f"{path.stem}_notebook": 1 for path in (ROOT / "notebooks").glob("*.ipynb")}
+    assert planned(clone, "all", "--config", "budget=paper") == {"run": jobs, **notebooks}
 
 
 def test_table_1_of_the_papers_budget_needs_only_the_papers_configurations(clone: Path) -> None:
     budget = load_configuration("paper").budget
     jobs = 16 * budget.seeds // budget.seeds_per_job
     target = "figures/paper/table1.tex"
-    assert planned(clone, target, "--config", "budget=paper") == {"run": jobs, "paper_tables": 1}
+    assert planned(clone, target, "--config", "budget=paper") == {"run": jobs, "tables_notebook": 1}
+
+
+def test_every_table_and_figure_is_a_target(clone: Path) -> None:
+    tables = [f"figures/table{number}.{kind}" for number in range(1, 9) for kind in ("tex", "csv")]
+    figures = [
+        f"figures/figure{number}.{kind}" for number in range(2, 12) for kind in ("pdf", "png")
+    ]
+    assert planned(clone, *tables, *figures) == planned(clone, "tables", "figures")
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,7 @@ def test_the_executed_notebook_is_kept_and_its_source_untouched(clone: Path) -> 
 
 def test_a_second_call_has_nothing_to_do(clone: Path) -> None:
     assert planned(clone, TARGET) == {}
-    assert planned(clone, "tables") == {}
+    assert planned(clone, "figures/table5.tex") == {}
 
 
 def test_records_of_any_age_are_used_as_they_are(clone: Path) -> None:
@@ -85,7 +85,7 @@ def test_records_of_any_age_are_used_as_they_are(clone: Path) -> None:
         age = chance.uniform(0, 1e8)
         os.utime(clone / path, (age, age))
     with aside(clone / ".snakemake"), aside(clone / "figures"):
-        assert planned(clone, TARGET) == {"paper_tables": 1}
+        assert planned(clone, TARGET) == {"tables_notebook": 1}
 
 
 def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
@@ -94,7 +94,7 @@ def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
     with aside(clone / record):
         assert planned(clone, "records") == {"run": others + 1}
         with aside(clone / "figures"):
-            assert planned(clone, TARGET) == {"run": 1, "paper_tables": 1}
+            assert planned(clone, TARGET) == {"run": 1, "tables_notebook": 1}
 
 
 def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
@@ -105,6 +105,6 @@ def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
     smoke.write_text(yaml.safe_dump(constants))
     try:
         affected = sum(cell.task == "hopper" for cell in RECORDS.values())
-        assert planned(clone, TARGET) == {"run": affected, "paper_tables": 1}
+        assert planned(clone, TARGET) == {"run": affected, "tables_notebook": 1}
     finally:
         smoke.write_text(before)

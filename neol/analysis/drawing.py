@@ -1,0 +1,43 @@
+"""A drawn figure and what it was made from."""
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from neol.analysis.runs import Source
+from neol.analysis.sidecar import write_sidecar
+from neol.analysis.style import drawing, save
+from neol.files import write_atomically
+from neol.spec import Configuration
+
+
+@dataclass(frozen=True, repr=False)
+class Drawing:
+    """A figure with its name and sources. A notebook shows it as a picture."""
+
+    name: str
+    """figure2: the stem of its files."""
+    figure: Figure
+    configuration: Configuration
+    sources: tuple[Source, ...]
+    """The records behind it."""
+    frame: pd.DataFrame | None = None
+    """What it shows, where no table does."""
+
+    def write(self, folder: Path) -> None:
+        """Write name.pdf, name.png, name.json (where it comes from) and, with a frame, name.csv."""
+        path = folder / f"{self.name}.pdf"
+        save(self.figure, path)
+        if self.frame is not None:
+            csv = self.frame.to_csv(index=False)
+            write_atomically(path.with_suffix(".csv"), csv.encode())
+        write_sidecar(path, self.configuration, self.sources)
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        with drawing():
+            self.figure.savefig(buffer, format="png", dpi=110)
+        return buffer.getvalue()
