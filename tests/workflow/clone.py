@@ -9,7 +9,7 @@ from pathlib import Path
 
 from neol.spec import ROOT
 
-TARGETS = {"all", "tables", "records", "total"}
+TARGETS = {"all", "tables", "figures", "claims", "beyond", "records", "total"}
 JOB_COUNT = re.compile(r"^(\w+) +(\d+)$", re.MULTILINE)
 
 
