@@ -97,11 +97,12 @@ def forward(
 
     `values` is float64[inputs + last - first] and holds the observation in its first `inputs`
     entries; afterwards its last `outputs` entries are the network's outputs (Section 4.1).
+    Unsigned indices spare the inner loop numba's question whether an index counts from the end.
     """
     for node in range(first, last):
         total = bias[node]
-        for edge in range(edge_offset[node], edge_offset[node + 1]):
-            total += weight[edge] * values[source[edge]]
+        for edge in range(np.uint64(edge_offset[node]), np.uint64(edge_offset[node + 1])):
+            total += weight[edge] * values[np.uint64(source[edge])]
         total = min(max(total, -sum_limit), sum_limit)
         is_output = node >= last - outputs
         values[inputs + node - first] = activate(total, TANH if is_output else activation)

@@ -53,7 +53,7 @@ def learn(
     The network's arrays are those of `neol.network.Networks`; `values` holds the activities of
     the forward pass that chose the action; `gate` is eta * beta * r. Weights are clipped to
     +-weight_limit; BCM's thresholds (one a node) then move by theta += alpha * (y^2 - theta).
-    Returns whether all weights stayed finite.
+    Returns whether all weights stayed finite. (Unsigned indices as in `neol.network.forward`.)
     """
     if rule == NONE:
         return True
@@ -61,8 +61,8 @@ def learn(
     for node in range(first, last):
         y = values[inputs + node - first]
         theta = threshold[node]
-        for edge in range(edge_offset[node], edge_offset[node + 1]):
-            x = values[source[edge]]
+        for edge in range(np.uint64(edge_offset[node]), np.uint64(edge_offset[node + 1])):
+            x = values[np.uint64(source[edge])]
             w = weight[edge]
             if rule == HEBB:
                 w += gate * hebb(x, y)
