@@ -11,12 +11,13 @@ ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help environment test lock clean FORCE
+.PHONY: help environment test bench lock clean FORCE
 .DELETE_ON_ERROR:
 
 help:
 	@echo 'make figures/table1.tex   a table or figure, from runs to LaTeX (any other file of figures/ alike)'
 	@echo 'make test                 all checks and tests'
+	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
 	@echo 'make environment          only set up $(VENV)'
 	@echo 'make lock                 resolve pyproject.toml into environment.lock anew'
 	@echo 'make clean                remove $(VENV) and all caches; results/ and figures/ stay'
@@ -32,6 +33,12 @@ test: $(READY)
 	$(RUN) snakemake --lint
 	$(RUN) snakefmt --check Snakefile
 	$(RUN) pytest
+
+# The peer, neat-python, is no dependency of the library: it is installed here only.
+bench: $(READY)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
+	    --requirement benchmarks/requirements.lock
+	$(BIN)/python -m benchmarks.run
 
 environment: $(READY)
 

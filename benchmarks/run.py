@@ -1,4 +1,4 @@
-"""`python -m benchmarks.run`: measure everything in one interleaved run and write it to docs/.
+"""Measure everything in one interleaved run and write it to docs/: `make bench`, `neol bench`.
 
 A round lets every contestant measure once, one after the other, and begins with another one each
 time; ratios are taken within a round, and what is written is the median over the rounds.
@@ -98,7 +98,9 @@ def _prepare(
 
 
 def _arguments(command_line: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.run", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="neol bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
         "--tasks", nargs="+", choices=list(measure.FULL), default=list(measure.FULL)
     )

@@ -215,6 +215,19 @@ def config(
     print(yaml.safe_dump(content, sort_keys=False), end="")
 
 
+@app.command(
+    add_help_option=False,  # its options are those of benchmarks.run, which has a help of its own
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+)
+def bench(context: typer.Context) -> None:
+    """Measure every engine beside its physics, Gymnasium and a peer (needs a checkout)."""
+    try:
+        from benchmarks.run import main
+    except ModuleNotFoundError as error:
+        raise UserError(f"no module {error.name}: benchmarks run in a checkout") from None
+    main(context.args)
+
+
 def parse_seeds(text: str) -> list[int]:
     """The seeds of "3", "0-4" or "0,3,7-9", sorted. Raises UserError."""
     seeds: list[int] = []

@@ -356,3 +356,8 @@ def test_the_last_line_always_comes(
         progress(3, generation(2, 900))
     _, last = capsys.readouterr().err.splitlines()
     assert last.endswith("generation 2/5  best 200.0  mean 51.2  species 3  200 steps/s  0:06 left")
+
+
+def test_bench_takes_the_options_of_the_benchmarks() -> None:
+    result = neol("bench --tasks chess")
+    assert result.exit_code == 2
