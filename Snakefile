@@ -12,6 +12,7 @@ from neol.analysis.choice import candidates
 from neol.analysis.labels import HEATMAPS
 from neol.campaign import blocks, run_specs
 from neol.errors import UserError
+from neol.sensitivity import trials, variants
 from neol.spec import budgets, load_configuration
 
 DEFAULT_BUDGET = "smoke"
@@ -34,6 +35,7 @@ try:
 except UserError as error:
     sys.exit(f"neol: {error}")
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
+TRIALS = {name: trials(CONFIGURATION, name) for name in variants()}
 
 
 def block(wildcards):
@@ -134,8 +136,9 @@ NOTEBOOKS = {
             "beyond_aggregates",
             "beyond_efficiency",
             "beyond_selection",
+            "beyond_sensitivity",
         ),
-        shown(),
+        [*shown(), *(str(trial.record) for name in TRIALS for trial in TRIALS[name])],
         code(draws=True),
     ),
 }
@@ -209,6 +212,30 @@ rule run:
         specification=run_specification,
     shell:
         "python -m neol run {params.arguments} --workers {threads} --resume --quiet --output {output} > {log} 2>&1"
+
+
+for variant, made in TRIALS.items():
+
+    rule:
+        name:
+            f"sensitivity_{made[0].record.parent.name}"
+        output:
+            [str(trial.record) for trial in made],
+        log:
+            f"logs/{BUDGET}/sensitivity/{made[0].record.parent.name}.log",
+        benchmark:
+            f"logs/{BUDGET}/sensitivity/{made[0].record.parent.name}.tsv"
+        conda:
+            "environment.yml"
+        threads: 1
+        resources:
+            mem_mb=500,
+        params:
+            budget=BUDGET,
+            variant=variant,
+            specification=[trial.spec.digest() for trial in made],
+        shell:
+            "python -m neol.sensitivity {params.budget} '{params.variant}' > {log} 2>&1"
 
 
 for notebook, (made, records, modules) in NOTEBOOKS.items():

@@ -6,11 +6,13 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
 from neol.analysis.beyond import COMPARISONS, RULES
 from neol.analysis.labels import METHODS, task_label
 from neol.analysis.style import GREY, STYLES, WIDTH, drawing, footer
+from neol.sensitivity import BASELINE
 
 METRIC_LABELS = {
     "score": "SCORE",
@@ -135,6 +137,36 @@ def selection(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
         handles, names = axes[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper center", ncols=5)
         footer(figure, f"{note} Means over all seeds and learning rates, with 95% intervals.")
+    return figure
+
+
+def sensitivity(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
+    """A12 of each variant against the baseline, with its interval; one column for each task."""
+    with drawing():
+        names = [name for name in dict.fromkeys(table["variant"]) if name != BASELINE]
+        figure = Figure(figsize=(WIDTH, 0.24 * len(names) + 1.1))
+        axes = figure.subplots(1, len(tasks), sharey=True, sharex=True, squeeze=False)[0]
+        for axis, task in zip(axes, tasks, strict=True):
+            axis.axvline(0.5, color=GREY, linewidth=0.7)
+            axis.set_title(task_label(task))
+            for row in table[table["task"] == task].to_dict("records"):
+                if row["variant"] != BASELINE:
+                    shift = -0.15 if row["method"] == "neat" else 0.15
+                    _interval(axis, shift - names.index(row["variant"]), row, "a12")
+            axis.set_xlim(-0.04, 1.04)
+            axis.xaxis.set_major_locator(FixedLocator([0, 0.5, 1]))
+            axis.tick_params(axis="y", length=0)
+        axes[0].set_yticks([-position for position in range(len(names))], names)
+        axes[len(axes) // 2].set_xlabel(
+            "Probability that a run ends higher than the baseline's (A12)"
+        )
+        handles = [
+            Line2D([], [], color=STYLES[method].colour, marker=STYLES[method].marker)
+            for method in _methods(table)
+        ]
+        labels = [METHODS[method] for method in _methods(table)]
+        figure.legend(handles, labels, loc="outside upper center", ncols=5)
+        footer(figure, f"{note} Lines: 95% intervals (bootstrap).")
     return figure
 
 

@@ -191,9 +191,10 @@ def estimate(
 def mean_interval(values: Floats, confidence: float = 0.95) -> tuple[Floats, Floats]:
     """Student's interval of the mean over the last axis; NaN below two values."""
     n = values.shape[-1]
-    mean = values.mean(axis=-1)
     if n < 2:
-        return np.full_like(mean, np.nan), np.full_like(mean, np.nan)
+        nothing = np.full(values.shape[:-1], np.nan)
+        return nothing, nothing
+    mean = values.mean(axis=-1)
     half = stats.t.ppf((1 + confidence) / 2, n - 1) * values.std(axis=-1, ddof=1) / math.sqrt(n)
     return mean - half, mean + half
 

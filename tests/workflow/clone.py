@@ -10,7 +10,7 @@ from pathlib import Path
 from neol.spec import ROOT
 
 TARGETS = {"all", "tables", "figures", "claims", "beyond", "records", "total"}
-JOB_COUNT = re.compile(r"^(\w+) +(\d+)$", re.MULTILINE)
+JOB_COUNT = re.compile(r"^([\w.-]+) +(\d+)$", re.MULTILINE)
 
 
 def fresh_clone(folder: Path) -> Path:

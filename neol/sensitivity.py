@@ -1,0 +1,107 @@
+"""Sensitivity: the constants that the paper leaves open, changed one at a time.
+
+`python -m neol.sensitivity BUDGET VARIANT` makes the records of one variant; those that are there
+already are left as they are. config/sensitivity/variants.yaml lists the variants.
+"""
+
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from neol.campaign import RESULTS
+from neol.errors import UserError
+from neol.overlay import Overlay
+from neol.spec import CONFIG, Configuration, Model, RunSpec, load_configuration
+
+VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
+BASELINE = "baseline"
+FIRST_SEED = 1_000_000
+"""Tuning seeds begin here, beyond those of every budget."""
+MOST_SEEDS = 10
+
+
+class Variant(Model):
+    """Some constants changed, for the methods that they concern."""
+
+    methods: tuple[str, ...]
+    set: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A task and method under a variant: one record."""
+
+    variant: str
+    task: str
+    method: str
+    spec: RunSpec
+    """With the first of its seeds."""
+    seeds: range
+    record: Path
+
+
+def variants() -> dict[str, Variant]:
+    """Those that the file lists, the baseline first."""
+    overlay = Overlay()
+    overlay.add_file(VARIANTS)
+    return {
+        name: Variant.model_validate(content, strict=False)
+        for name, content in overlay.values.items()
+    }
+
+
+def trials(configuration: Configuration, name: str) -> list[Trial]:
+    """What a variant runs in a budget, for each of its tasks and methods."""
+    budget = configuration.budget
+    if name not in variants():
+        raise UserError(f'unknown variant "{name}" (allowed: {", ".join(variants())})')
+    variant = variants()[name]
+    changed = load_configuration(budget.name, variant.set)
+    rate = budget.learning_rates[len(budget.learning_rates) // 2]
+    seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seeds, MOST_SEEDS))
+    return [
+        Trial(
+            variant=name,
+            task=task,
+            method=method,
+            spec=changed.run_spec(
+                task=task,
+                method=method,
+                population=min(budget.populations),
+                learning_rate=None if changed.methods[method].rule == "none" else rate,  # type: ignore[index]
+                generations=max(2, budget.generations // 5),
+                seed=seeds[0],
+            ),
+            seeds=seeds,
+            record=folder(budget.name, name) / f"{task}_{method}.parquet",
+        )
+        for task in budget.tasks
+        for method in variant.methods
+    ]
+
+
+def folder(budget: str, name: str) -> Path:
+    """Where a variant's records lie: results/smoke/sensitivity/beta-0.001."""
+    return RESULTS / budget / "sensitivity" / re.sub(r"[^\w.]+", "-", name)
+
+
+def run(configuration: Configuration, name: str) -> Iterator[Trial]:
+    """Make a variant's records, one after another; each is yielded when it is there."""
+    from neol.run import run_block
+
+    for trial in trials(configuration, name):
+        trial.record.parent.mkdir(parents=True, exist_ok=True)
+        run_block(
+            trial.spec, trial.seeds, trial.record, resume=True, budget=configuration.budget.name
+        )
+        yield trial
+
+
+if __name__ == "__main__":
+    try:
+        for done in run(load_configuration(sys.argv[1]), sys.argv[2]):
+            print(done.record)
+    except UserError as error:
+        sys.exit(f"neol: {error}")

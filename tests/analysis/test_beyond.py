@@ -1,0 +1,104 @@
+"""What the paper does not show, by hand and on degenerate runs."""
+
+import math
+from pathlib import Path
+
+import gymnasium
+import pandas as pd
+import pytest
+
+from neol.analysis import beyond, beyond_figures
+from neol.analysis.outcomes import Outcomes, gather
+from neol.analysis.runs import Campaign
+from neol.analysis.style import save
+from neol.campaign import Cell, cells
+from neol.spec import load_configuration
+from tests.analysis.made_up import configuration, write_campaign
+
+TASKS = ("cartpole", "hopper")
+BCM = {task: Cell(task, "bcm", 12, 0.0025) for task in TASKS}
+
+
+def collected(folder: Path, values: dict[Cell, list[float | None]]) -> Outcomes:
+    constants = configuration(tasks=TASKS)
+    write_campaign(folder, constants, values)
+    return gather(Campaign(constants, folder))
+
+
+def row(table: pd.DataFrame, **place: object) -> pd.Series:
+    for key, value in place.items():
+        table = table[table[key] == value]
+    assert len(table) == 1
+    return table.iloc[0]
+
+
+def test_effects_by_hand(tmp_path: Path) -> None:
+    """BCM wins every pair on CartPole; on Hopper -1, 0, 1 wins 1 + 1/2 x 1 of 3 against 0, 0, 0."""
+    values = {BCM["cartpole"]: [5.0, 6.0, 7.0], BCM["hopper"]: [-1.0, 0.0, 4.0]}
+    table = beyond.effects(collected(tmp_path, values), TASKS)
+    place = {"comparison": "final fitness", "method": "bcm"}
+    cartpole = row(table, **place, task="cartpole")
+    assert (cartpole["a12"], cartpole["low"], cartpole["high"]) == (1, 1, 1)
+    assert row(table, **place, task="hopper")["a12"] == 0.5
+    assert row(table, **place, task="all")["a12"] == 0.75
+    assert row(table, **place, task="hopper")["paper_a12"] == 663 / 900
+    assert len(table) == 4 * 3 * 3  # comparisons, rules, tasks and all
+    single = table[table["task"] != "all"]
+    assert (single["p_holm"] >= single["p"]).all()
+    assert cartpole["p_holm"] == pytest.approx(min(1, 24 * cartpole["p"]))
+
+
+def test_aggregates_by_hand(tmp_path: Path) -> None:
+    """475 on CartPole and 3800 on Hopper are 1."""
+    values = {BCM["cartpole"]: [475.0] * 3, BCM["hopper"]: [3800.0] * 3}
+    table = beyond.aggregates(collected(tmp_path, values), TASKS)
+    assert row(table, method="bcm", task="all")["iqm"] == 1
+    assert row(table, method="neat", task="hopper")["iqm"] == 0
+
+
+def test_profiles_fall_from_one_to_nothing(tmp_path: Path) -> None:
+    values = {BCM["cartpole"]: [475.0] * 3, BCM["hopper"]: [3800.0, 3800.0, 0.0]}
+    table = beyond.profiles(collected(tmp_path, values), TASKS)
+    shares = table[table["method"] == "bcm"].set_index("threshold")["share"]
+    assert shares.is_monotonic_decreasing
+    assert shares.iloc[0] == 1
+    assert shares.iloc[-1] == 0
+    assert shares[shares.index < 0.99].iloc[-1] == pytest.approx(5 / 6)
+
+
+def test_selection_is_what_the_training_maximum_flatters(tmp_path: Path) -> None:
+    """The made-up champions come to 1 less in fresh episodes."""
+    table = beyond.selection(collected(tmp_path, {}))
+    assert set(table["mean"]) == {1.0}
+    assert set(table["runs"]) == {3, 6}  # two rates for a rule, none for NEAT
+
+
+def test_score_grows_with_the_population_where_efficiency_does_not(tmp_path: Path) -> None:
+    table = beyond.efficiency(collected(tmp_path, {}))
+    score = table[(table["metric"] == "score") & (table["method"] == "neat")]
+    by_population = score[score["task"] == "hopper"].set_index("population")["mean"]
+    assert by_population[12] == pytest.approx(2 * by_population[6])
+
+
+def test_thresholds_are_gymnasiums() -> None:
+    tasks = load_configuration("paper").tasks
+    for task, solved in beyond.SOLVED.items():
+        assert gymnasium.spec(tasks[task].environment).reward_threshold == solved
+
+
+@pytest.mark.parametrize("runs", ["none", "one", "all equal"])
+def test_degenerate_runs_can_be_drawn(runs: str, tmp_path: Path) -> None:
+    seeds = {"none": [None] * 3, "one": [1.0, None, None], "all equal": [1.0] * 3}[runs]
+    outcomes = collected(tmp_path, dict.fromkeys(cells(configuration(tasks=TASKS)), seeds))
+    effects = beyond.effects(outcomes, TASKS)
+    tables = beyond.aggregates(outcomes, TASKS), beyond.profiles(outcomes, TASKS)
+    figures = [
+        beyond_figures.effects(effects, TASKS, "note"),
+        beyond_figures.aggregates(*tables, "note"),
+        beyond_figures.efficiency(beyond.efficiency(outcomes), TASKS, "note"),
+        beyond_figures.selection(beyond.selection(outcomes), TASKS, "note"),
+    ]
+    for number, figure in enumerate(figures):
+        save(figure, tmp_path / str(number))
+    if runs == "none":
+        assert all(math.isnan(a12) for a12 in effects["a12"])

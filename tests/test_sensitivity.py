@@ -1,0 +1,63 @@
+"""Variants: what they run, and what is said of them."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from neol import sensitivity as module
+from neol.analysis.sensitivity import sensitivity
+from neol.errors import UserError
+from neol.records import join, write_record
+from neol.sensitivity import BASELINE, MOST_SEEDS, trials, variants
+from neol.spec import budgets, load_configuration
+from tests.analysis.made_up import run
+
+SMOKE = load_configuration("smoke")
+
+
+@pytest.mark.parametrize("name", variants())
+@pytest.mark.parametrize("budget", budgets())
+def test_a_variant_differs_from_the_baseline_in_what_it_says(budget: str, name: str) -> None:
+    configuration = load_configuration(budget)
+    baseline = {(each.task, each.method): each.spec for each in trials(configuration, BASELINE)}
+    for trial in trials(configuration, name):
+        same = trial.spec == baseline[trial.task, trial.method]
+        assert same == (name == BASELINE)
+
+
+def test_the_seeds_are_none_of_the_budgets() -> None:
+    for budget in budgets():
+        configuration = load_configuration(budget)
+        (seeds,) = {trial.seeds for trial in trials(configuration, BASELINE)}
+        assert seeds[0] >= configuration.budget.seeds
+        assert len(seeds) == min(configuration.budget.seeds, MOST_SEEDS)
+
+
+def test_every_record_has_a_place_of_its_own() -> None:
+    records = [trial.record for name in variants() for trial in trials(SMOKE, name)]
+    assert len(set(records)) == len(records)
+
+
+def test_an_unknown_variant_is_refused() -> None:
+    with pytest.raises(UserError, match='unknown variant "beta 7"'):
+        trials(SMOKE, "beta 7")
+
+
+def test_the_effect_of_a_variant(tmp_path: Path) -> None:
+    """With ReLU every run ends 10 higher; nothing else was run."""
+    for name, gain in ((BASELINE, 0.0), ("ReLU", 10.0)):
+        for trial in trials(SMOKE, name):
+            path = tmp_path / trial.record.relative_to(module.RESULTS)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            specs = [trial.spec.model_copy(update={"seed": seed}) for seed in trial.seeds]
+            finals = [gain + position for position in range(len(specs))]
+            pairs = zip(specs, finals, strict=True)
+            write_record(path, join([run(spec, "smoke", value) for spec, value in pairs]))
+    table, sources = sensitivity(SMOKE, tmp_path)
+    rows = table.set_index(["variant", "task", "method"])
+    assert rows.loc[("ReLU", "hopper", "neat"), "a12"] == 1
+    assert rows.loc[("ReLU", "hopper", "bcm"), "mean"] == 11
+    assert rows.loc[(BASELINE, "hopper", "bcm"), "a12"] == 0.5
+    assert math.isnan(rows.loc[("sigmoid", "hopper", "bcm"), "mean"])
+    assert len(sources) == 2 * 8
