@@ -191,7 +191,24 @@ class Record:
 def history_table(seed: int, history: Sequence[Generation]) -> pa.Table:
     """A run's rows."""
     columns = {name: [getattr(row, name) for row in history] for name in COLUMNS}
-    return pa.table({"seed": [seed] * len(history), **columns}, schema=SCHEMA)
+    columns["seed"] = [seed] * len(history)
+    return pa.Table.from_arrays(
+        [_array(columns[field.name], field.type) for field in SCHEMA], schema=SCHEMA
+    )
+
+
+# pyarrow imports all of pandas in pa.array and to_numpy, which takes longer than a short run.
+
+
+def _array(values: list[float], kind: pa.DataType) -> pa.Array:
+    content = np.array(values, dtype=kind.to_pandas_dtype())
+    return pa.Array.from_buffers(kind, len(values), [None, pa.py_buffer(content)])
+
+
+def _values(table: pa.Table, column: str) -> npt.NDArray[Any]:
+    array = table[column].combine_chunks()
+    kind = np.dtype(array.type.to_pandas_dtype())
+    return np.frombuffer(array.buffers()[1], kind, len(array), array.offset * kind.itemsize)
 
 
 def join(records: Iterable[Record]) -> Record:
@@ -286,7 +303,7 @@ def _validated(text: bytes, table: pa.Table) -> Record:
     if metadata.spec_digest != record.spec_digest:
         raise ValueError("the specification does not match its digest")
     seeds, generations, best = (
-        table[name].to_numpy() for name in ("seed", "generation", "best_fitness")
+        _values(table, name) for name in ("seed", "generation", "best_fitness")
     )
     begin = 0
     for info in metadata.seeds:
@@ -313,7 +330,7 @@ def _digest(text: bytes, table: pa.Table) -> str:
     """SHA-256 in hex over the metadata's JSON and the columns, in the schema's order."""
     digest = hashlib.sha256(text)
     for name in SCHEMA.names:
-        digest.update(np.ascontiguousarray(table[name].to_numpy()).data)
+        digest.update(_values(table, name).data)
     return digest.hexdigest()
 
 
