@@ -186,6 +186,15 @@ def digest(record: Annotated[Path, typer.Argument(help="A record.")]) -> None:
         print(info.seed, info.digest)
 
 
+@app.command(epilog=_examples("neol trace figures/table1.tex"))
+def trace(output: Annotated[Path, typer.Argument(help="A table or figure.")]) -> None:
+    """Print what made a table or figure: command, commit, and every record and run behind it."""
+    from neol.trace import trace
+
+    for line in trace(output):
+        print(line)
+
+
 @app.command(
     epilog=_examples(
         "neol config --budget desk", "neol config --set neat.elitism=3", "neol config --schema"

@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -121,6 +122,9 @@ class Campaign:
                     runs={info.seed: info.digest for info in record.seeds},
                 )
             )
+        if missing:
+            seeds = ", ".join(map(str, missing))
+            print(f"neol: {cell.folder}: no record of seeds {seeds}", file=sys.stderr)
         table = pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=SCHEMA.names)
         return CellRuns(cell, table, tuple(missing), tuple(sources), held_out)
 

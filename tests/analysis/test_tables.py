@@ -90,7 +90,9 @@ def test_the_sidecar_leads_back_to_the_records(campaign: Campaign, tmp_path: Pat
         assert list(record["runs"]) == ["0", "1", "2"]
 
 
-def test_a_missing_seed_is_marked_and_noted(tmp_path: Path) -> None:
+def test_a_missing_seed_is_marked_and_noted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     constants = configuration()
     write_campaign(tmp_path, constants, VALUES | {BEST: [2.0, None, 9.0]})
     table = table1(Campaign(constants, tmp_path))
@@ -98,6 +100,8 @@ def test_a_missing_seed_is_marked_and_noted(tmp_path: Path) -> None:
     assert table.notes == ("(a) chosen among the 3 of 4 cells that are complete.",)
     assert table.notes[0] in table.latex()
     assert table.notes[0] in table._repr_html_()
+    said = "neol: cartpole/oja/p012_lr0.0025: no record of seeds 1"
+    assert capsys.readouterr().err.splitlines() == [said]
 
 
 def test_no_record_at_all_prints_nothing_but_the_reasons(tmp_path: Path) -> None:

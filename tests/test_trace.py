@@ -1,0 +1,52 @@
+"""What `neol trace` says of a table."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from neol.analysis.runs import Campaign
+from neol.analysis.tables import table3
+from neol.cli import app
+from neol.errors import UserError
+from neol.trace import trace
+from tests.analysis.made_up import configuration, write_campaign
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    constants = configuration()
+    write_campaign(tmp_path / "results", constants, {})
+    table3(Campaign(constants, tmp_path / "results")).write(tmp_path / "figures")
+    return tmp_path / "figures" / "table3.tex"
+
+
+def test_a_table_is_traced_to_its_runs(table: Path) -> None:
+    lines = list(trace(table, table.parent.parent))
+    assert lines[0] == "table3.tex"
+    assert lines[1].endswith("figures/table3.tex --config budget=smoke")
+    assert "records  14, of 42 runs" in lines
+    assert sum(line.startswith("  seed ") for line in lines) == 42
+    assert "results/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines
+
+
+def test_what_has_become_of_a_record_is_said(table: Path) -> None:
+    folder = table.parent.parent / "results/smoke/cartpole/neat"
+    (folder / "p006/seeds_000-002.parquet").write_bytes(b"other")
+    (folder / "p012/seeds_000-002.parquet").unlink()
+    states = [line for line in trace(table, table.parent.parent) if line.endswith(")")]
+    assert [line.partition("  ")[2] for line in states] == ["(changed since)", "(not here)"]
+
+
+def test_what_cannot_be_traced_is_said_in_one_line(table: Path) -> None:
+    with pytest.raises(UserError, match=r"nothing\.tex: has no nothing\.json beside it"):
+        list(trace(table.with_name("nothing.tex")))
+    table.with_suffix(".json").write_text('{"records": 3}')
+    with pytest.raises(UserError, match=r"table3\.json: damaged"):
+        list(trace(table))
+
+
+def test_the_command(table: Path) -> None:
+    result = CliRunner().invoke(app, ["trace", str(table)])
+    assert result.exit_code == 0
+    assert "records  14, of 42 runs" in result.output
