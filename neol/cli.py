@@ -74,7 +74,8 @@ def _examples(*lines: str) -> str:
 
 
 Budget = Annotated[
-    str | None, typer.Option(help="Whose constants hold: smoke, desk or paper (as base.yaml).")
+    str | None,
+    typer.Option(help="Whose constants hold: smoke, demo, desk or paper (as base.yaml)."),
 ]
 Overrides = Annotated[
     list[str] | None,

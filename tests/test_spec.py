@@ -39,7 +39,7 @@ def test_the_paper_s_budget(paper):
     assert paper.budget.learning_rates == (2.5e-4, 2.5e-3, 2.5e-2, 2.5e-1)
 
 
-@pytest.mark.parametrize("budget", ["smoke", "desk", "paper"])
+@pytest.mark.parametrize("budget", ["smoke", "demo", "desk", "paper"])
 def test_every_budget_can_be_run(budget):
     configuration = load_configuration(budget)
     assert configuration.budget.name == budget
@@ -159,7 +159,7 @@ def test_a_species_never_needs_more_than_the_population():
 def test_an_unknown_budget(budget):
     text = message(load_configuration, budget)
     assert text.startswith(f'unknown budget "{budget}"')
-    assert text.endswith("(allowed: desk, paper, smoke)")
+    assert text.endswith("(allowed: demo, desk, paper, smoke)")
 
 
 @pytest.mark.parametrize(
