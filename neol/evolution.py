@@ -45,7 +45,7 @@ class Generation:
     weight_change_mean: float
     """Mean |w after - w before| of an evaluation, over all connections of the population."""
     failed_evaluations: int
-    """Evaluations so far in which an observation, reward or weight was not finite."""
+    """Evaluations so far in which an observation, a weight or a return was not finite."""
 
 
 @dataclass(slots=True)
@@ -95,7 +95,8 @@ class Evolution:
             self.spec.seed, number, len(self.population), self.spec.evaluation.episodes
         )
         rollouts = engine.evaluate(networks, seeds, self.spec.plasticity)
-        fitness = finite_fitness(rollouts)
+        worst = min((row.best_fitness for row in self.history), default=0.0)
+        fitness = finite_fitness(rollouts, fallback=worst)
         for genome, value in zip(self.population, fitness, strict=True):
             genome.fitness = float(value)
         if self.spec.plasticity.write_back:
@@ -164,15 +165,18 @@ class Evolution:
 COLUMNS = tuple(column.name for column in fields(Generation))
 
 
-def finite_fitness(rollouts: Rollouts) -> npt.NDArray[np.float64]:
+def finite_fitness(rollouts: Rollouts, fallback: float) -> npt.NDArray[np.float64]:
     """Mean return of each network (Algorithm 2, line 16), float64[P].
 
-    A failed evaluation gets the lowest fitness that another one of its generation came to, or 0
-    where all failed: the worst, but no outlier that would decide how species share.
+    A failed evaluation gets the next number below the lowest fitness that another one of its
+    generation came to: the worst, but no outlier that would decide how species share. Where all
+    failed there is nothing to be below, and all get `fallback`.
     """
     fitness: npt.NDArray[np.float64] = rollouts.returns.mean(axis=1)
-    lowest = fitness[~rollouts.failed].min() if not rollouts.failed.all() else 0.0
-    return np.where(rollouts.failed, lowest, fitness)
+    if rollouts.failed.all():
+        return np.full_like(fitness, fallback)
+    lowest = fitness[~rollouts.failed].min()
+    return np.where(rollouts.failed, np.nextafter(lowest, -np.inf), fitness)
 
 
 def keep_inherited_where_failed(networks: Networks, rollouts: Rollouts) -> npt.NDArray[np.float64]:

@@ -113,13 +113,15 @@ def test_a_step_limit_ends_a_run_early() -> None:
     assert evolution.generation < 50
 
 
-def test_a_failed_evaluation_gets_the_lowest_fitness_of_the_others() -> None:
+def test_a_failed_evaluation_is_the_worst() -> None:
     returns = np.array([[5.0, 7.0], [math.nan, math.nan], [-3.0, -1.0]])
     failed = np.array([False, True, False])
     steps, empty = np.zeros((3, 2), dtype=np.int64), np.zeros(0)
-    assert finite_fitness(Rollouts(returns, steps, empty, empty, failed)).tolist() == [6, -2, -2]
+    fitness = finite_fitness(Rollouts(returns, steps, empty, empty, failed), fallback=-9.0)
+    assert fitness[[0, 2]].tolist() == [6.0, -2.0]
+    assert fitness[1] == np.nextafter(-2.0, -np.inf), "worse than any other, and hardly so"
     all_failed = Rollouts(returns[1:2], steps[1:2], empty, empty, failed[1:2])
-    assert finite_fitness(all_failed).tolist() == [0.0]
+    assert finite_fitness(all_failed, fallback=-9.0).tolist() == [-9.0]
 
 
 class XorEngine:

@@ -23,7 +23,7 @@ class Rollouts:
     threshold: npt.NDArray[np.float64]
     """float64[M]: BCM's thresholds at the end of the last episode."""
     failed: npt.NDArray[np.bool_]
-    """bool[P]: an observation, a reward or a weight was not finite."""
+    """bool[P]: an observation, a weight or a sum of rewards was not finite."""
 
 
 @runtime_checkable

@@ -143,7 +143,7 @@ def play_episode(
             batch.weight_limit,
             values,
         )
-        if not (math.isfinite(reward) and finite):
+        if not (math.isfinite(total) and finite):
             return math.nan, steps
         if terminated:
             break

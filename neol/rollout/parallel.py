@@ -38,7 +38,7 @@ class ThreadedEngine:
         )
 
     def close(self) -> None:
-        self._executor.shutdown()
+        self._executor.shutdown(cancel_futures=True)
         self._engine.close()
 
 

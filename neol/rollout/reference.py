@@ -146,7 +146,7 @@ class ReferenceEngine:
                 plasticity.weight_limit,
                 values,
             )
-            if not (math.isfinite(reward) and finite):
+            if not (math.isfinite(total) and finite):
                 return math.nan, steps
         return total, steps
 

@@ -101,7 +101,7 @@ def test_write_back_carries_weights_from_episode_to_episode() -> None:
 
 
 class Broken(gymnasium.Env[npt.NDArray[np.float32], int]):
-    """Ends after five steps; in the third one, `broken` returns a value that is not finite."""
+    """Ends after five steps; before that, `broken` becomes something that is not finite."""
 
     observation_space = gymnasium.spaces.Box(-1, 1, (2,))
     action_space = gymnasium.spaces.Discrete(2)
@@ -117,11 +117,11 @@ class Broken(gymnasium.Env[npt.NDArray[np.float32], int]):
         self.steps += 1
         now = self.steps == 3
         observation = np.full(2, np.nan if now and self.broken == "observation" else 1.0)
-        reward = np.inf if now and self.broken == "reward" else 1.0
+        reward = {"reward": np.inf if now else 1.0, "sum": 1e308}.get(self.broken, 1.0)
         return observation.astype(np.float32), reward, self.steps == 5, False, {}
 
 
-@pytest.mark.parametrize(("broken", "steps"), [("observation", 3), ("reward", 3), ("none", 5)])
+@pytest.mark.parametrize(("broken", "steps"), [("observation", 3), ("reward", 3), ("sum", 2), ("none", 5)])
 def test_what_is_not_finite_fails_its_network_alone(broken: str, steps: int) -> None:
     gymnasium.register("Broken-v0", Broken, kwargs={"broken": broken})
     task = Task(name="broken", environment="Broken-v0", max_steps=9, fresh_world=False)
