@@ -136,6 +136,7 @@ def run_block(
         if output.exists():  # in full, or the last attempt was stopped before it could clean up
             record = _same_seeds(read_record(output, spec), seeds, output)
         else:
+            _refuse_other_seeds(partial, seeds)
             with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
                 records = [
                     _seed_record(
@@ -160,6 +161,11 @@ def partial_folder(output: Path) -> Path:
     return output.with_name(f"{output.name}.partial")
 
 
+def _finished(partial: Path, seed: int) -> Path:
+    """Where the record of a finished seed lies; beside it, as .npz, the checkpoint of one begun."""
+    return partial / f"seed_{seed:06}.parquet"
+
+
 def _seed_record(
     spec: RunSpec,
     engine: Engine,
@@ -169,7 +175,7 @@ def _seed_record(
     on_generation: OnGeneration | None,
 ) -> Record:
     """The record of one seed: the finished one that is there, or a new one."""
-    finished = partial / f"seed_{spec.seed:06}.parquet"
+    finished = _finished(partial, spec.seed)
     checkpoint = finished.with_suffix(".npz")
     if finished.exists():
         record = _same_seeds(read_record(finished, spec), [spec.seed], finished)
@@ -208,6 +214,16 @@ def _refuse_existing(output: Path, partial: Path) -> None:
         raise UserError(f"{output}: exists already; remove it or choose another output")
     if any(partial.glob("seed_*")):
         raise UserError(f"{partial}: holds an interrupted run; go on with --resume, or remove it")
+
+
+def _refuse_other_seeds(partial: Path, seeds: Sequence[int]) -> None:
+    ours = {_finished(partial, seed).stem for seed in seeds}
+    others = sorted({path.stem for path in partial.glob("seed_*")} - ours)
+    if others:
+        raise UserError(
+            f"{partial}: holds work of {others[0]}, which is not among the seeds asked for; "
+            "resume with all its seeds, or remove it"
+        )
 
 
 def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:

@@ -142,7 +142,11 @@ def test_interrupted_work_is_neither_lost_nor_mixed(tmp_path: Path) -> None:
         block(output)
     with pytest.raises(UserError, match=r"seed_000000\.parquet: of another specification: neat\."):
         block(output, run_spec("oja", 0, "neat.elitism=1", generations=4), resume=True)
+    for seeds in ((5,), (0, 5)):
+        with pytest.raises(UserError, match=r"holds work of seed_00000[01], which is not among"):
+            block(output, seeds=seeds, resume=True, on_generation=killer(5, 1, AssertionError))
     assert names(tmp_path) == kept
+    assert block(output, seeds=(0, 1, 5), resume=True).seeds[2].seed == 5
 
 
 def test_a_block_killed_before_it_could_clean_up(tmp_path: Path) -> None:
