@@ -20,12 +20,12 @@ import numpy.typing as npt
 from neol.foreign import call_void
 from neol.kernel import kernel
 from neol.network import Networks
+from neol.pcg64 import State, seed_pcg64
 from neol.rollout.box2d import library as box2d
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, play_batch
 from neol.rollout.fast import FastEngine
 from neol.rollout.hopper import FRAME_SKIP
-from neol.rollout.pcg64 import State, seed_pcg64
 from neol.rollout.reference import make_environment
 from neol.spec import Plasticity, Task
 

@@ -19,7 +19,8 @@ from neol.errors import UserError
 from neol.evolution import COLUMNS, Evolution, Generation
 from neol.files import read_bounded, write_atomically
 from neol.neat.check import check_genome
-from neol.neat.genome import CONNECTION, NODE, Genome, Innovations
+from neol.neat.genome import CONNECTION, NODE, Genome
+from neol.neat.innovations import Innovations
 from neol.neat.species import Species, SpeciesSet
 from neol.spec import RunSpec
 
@@ -48,7 +49,7 @@ def snapshot(evolution: Evolution) -> Evolution:
     )
     innovations = evolution.reproduction.innovations
     copy.reproduction.next_genome = evolution.reproduction.next_genome
-    copy.reproduction.innovations = Innovations(innovations.next_innovation, innovations.next_node)
+    copy.reproduction.innovations = innovations.next_generation(0)
     copy.population = list(evolution.population)
     species_set = evolution.species_set
     copy.species_set = SpeciesSet([replace(s) for s in species_set.species], species_set.next_id)
@@ -160,7 +161,7 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     evolution = Evolution.begin(spec, meta["inputs"], meta["outputs"])
     reproduction = evolution.reproduction
     reproduction.next_genome = meta["next_genome"]
-    reproduction.innovations = Innovations(meta["next_innovation"], meta["next_node"])
+    reproduction.innovations = Innovations.begin(meta["next_innovation"], meta["next_node"])
     genomes = [
         Genome(int(genome_id), nodes, connections, float(fitness))
         for genome_id, nodes, connections, fitness in zip(

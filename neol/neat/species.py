@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
-from neol.neat.genome import Genome
+from neol.neat.genome import Genome, join
 from neol.spec import Neat
 
 
@@ -40,37 +40,24 @@ def distance(one: Genome, other: Genome, neat: Neat) -> float:
     E + D counts the connections that only one has; the mean runs over those that both have. N is
     their number (at least 1), or with `larger_genome` the larger genome's number of connections.
     """
-    return float(_PackedGenes.of([one]).distances(other, neat)[0])
+    return float(distances(one.connections, np.array([0, len(one.connections)]), other, neat)[0])
 
 
-@dataclass(frozen=True, slots=True)
-class _PackedGenes:
-    """What the distance looks at, of a whole population."""
-
-    offset: npt.NDArray[np.int64]
-    innovation: npt.NDArray[np.int64]
-    weight: npt.NDArray[np.float64]
-
-    @classmethod
-    def of(cls, population: Sequence[Genome]) -> "_PackedGenes":
-        sizes = [len(genome.connections) for genome in population]
-        return cls(
-            np.concatenate([[0], np.cumsum(sizes)]),
-            np.concatenate([genome.connections["innovation"] for genome in population]),
-            np.concatenate([genome.connections["weight"] for genome in population]),
-        )
-
-    def distances(self, representative: Genome, neat: Neat) -> npt.NDArray[np.float64]:
-        """Distance of each genome to one representative, float64[P]."""
-        return _distances(
-            self.offset,
-            self.innovation,
-            self.weight,
-            representative.connections,
-            neat.disjoint_coefficient,
-            neat.weight_coefficient,
-            neat.distance_normaliser == "larger_genome",
-        )
+def distances(
+    connections: npt.NDArray[np.void],
+    offset: npt.NDArray[np.int64],
+    representative: Genome,
+    neat: Neat,
+) -> npt.NDArray[np.float64]:
+    """Distance of each genome of a joined population to one representative, float64[P]."""
+    return _distances(
+        connections,
+        offset,
+        representative.connections,
+        neat.disjoint_coefficient,
+        neat.weight_coefficient,
+        neat.distance_normaliser == "larger_genome",
+    )
 
 
 def speciate(population: Sequence[Genome], species_set: SpeciesSet, neat: Neat) -> None:
@@ -80,16 +67,17 @@ def speciate(population: Sequence[Genome], species_set: SpeciesSet, neat: Neat) 
     them founds a new species. Of equally near species the oldest wins. Members are sorted by
     fitness, then age; empty species die out.
     """
-    genes = _PackedGenes.of(population)
+    connections, offset = join([genome.connections for genome in population])
     nearest = np.full(len(population), np.inf)
     home = np.zeros(len(population), dtype=np.int64)
 
     def offer(index: int, first: int) -> None:
         """Let the genomes from `first` on move to a species that is nearer than their own."""
-        distances = genes.distances(species_set.species[index].representative, neat)
-        nearer = distances < nearest
+        representative = species_set.species[index].representative
+        offered = distances(connections, offset, representative, neat)
+        nearer = offered < nearest
         nearer[:first] = False
-        nearest[nearer] = distances[nearer]
+        nearest[nearer] = offered[nearer]
         home[nearer] = index
 
     for index in range(len(species_set.species)):
@@ -143,9 +131,8 @@ def adjusted_fitness(species_set: SpeciesSet, neat: Neat) -> npt.NDArray[np.floa
 
 @kernel
 def _distances(
+    connections: npt.NDArray[np.void],
     offset: npt.NDArray[np.int64],
-    innovation: npt.NDArray[np.int64],
-    weight: npt.NDArray[np.float64],
     representative: npt.NDArray[np.void],
     c1: float,
     c3: float,
@@ -156,12 +143,12 @@ def _distances(
         matching, difference = 0, 0.0
         i, end, j = offset[genome], offset[genome + 1], 0
         while i < end and j < len(representative):
-            if innovation[i] == representative[j].innovation:
+            if connections[i].innovation == representative[j].innovation:
                 matching += 1
-                difference += abs(weight[i] - representative[j].weight)
+                difference += abs(connections[i].weight - representative[j].weight)
                 i += 1
                 j += 1
-            elif innovation[i] < representative[j].innovation:
+            elif connections[i].innovation < representative[j].innovation:
                 i += 1
             else:
                 j += 1

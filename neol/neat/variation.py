@@ -1,175 +1,265 @@
-"""Variation: crossover aligned by innovation numbers, and the mutations (paper's Algorithm 4)."""
+"""Variation: crossover aligned by innovation numbers, and the mutations (paper's Algorithm 4).
+
+`nodes` and `connections` are a genome's arrays, NODE[n] and CONNECTION[c]; `random` is the state of
+a random stream, uint64[4] (see neol.pcg64).
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
-from neol.neat.genome import NODE, Genome, Innovations
+from neol.neat.innovations import Innovations, connection_number, split_node
+from neol.neat.values import Values, fresh_values, mutate_values
+from neol.pcg64 import State, below, next_double
 from neol.spec import Neat
 
+Genes = npt.NDArray[np.void]
 
-def crossover(
-    id: int, parent: Genome, mate: Genome, neat: Neat, random: np.random.Generator
-) -> Genome:
-    """A child of two parents (CROSSOVERALIGNED, Algorithm 4, line 17).
 
-    The child has the structure of the fitter parent (of equals, the smaller, then the older one);
-    weight, bias and state of a gene that both have come from either with equal chance. A gene
-    disabled in a parent stays disabled with `disable_rate` (Stanley & Miikkulainen 2002).
-    """
-    if _rank(mate) > _rank(parent):
-        parent, mate = mate, parent
-    child = parent.copy(id)
-    if mate is not parent:
-        genes = len(child.connections)
-        _cross_connections(
-            child.connections, mate.connections, neat.disable_rate, random.random((genes, 2))
+class Rates(NamedTuple):
+    """The constants of variation."""
+
+    disable: float
+    add_connection: float
+    add_node: float
+    remove_connection: float
+    remove_node: float
+    mutate_enabled: float
+    weight: Values
+    bias: Values
+
+    @classmethod
+    def of(cls, neat: Neat) -> "Rates":
+        """The configured rates; those of weights and biases follow WM_MODE (lines 22-27).
+
+        off: none is mutated. config: each is perturbed with its mutate rate, or replaced by a
+        fresh one with its replace rate. A probability p: each is perturbed with p in place of
+        both mutate rates, and none is replaced.
+        """
+        weight_rates = neat.weight_mutate_rate, neat.weight_replace_rate
+        bias_rates = neat.bias_mutate_rate, neat.bias_replace_rate
+        if neat.weight_mutation != "config":
+            p = 0.0 if neat.weight_mutation == "off" else neat.weight_mutation
+            weight_rates = bias_rates = p, 0.0
+        return cls(
+            neat.disable_rate,
+            neat.add_connection_rate,
+            neat.add_node_rate,
+            neat.remove_connection_rate,
+            neat.remove_node_rate,
+            neat.enabled_mutate_rate,
+            Values(neat.weight_init_sd, neat.weight_limit, *weight_rates, neat.weight_mutate_power),
+            Values(neat.bias_init_sd, neat.bias_limit, *bias_rates, neat.bias_mutate_power),
         )
-        _cross_nodes(child.nodes, mate.nodes, random.random(len(child.nodes)))
-    return child
 
 
-def _rank(genome: Genome) -> tuple[float, int, int]:
-    return genome.fitness, -len(genome.connections), -genome.id
-
-
-def mutate(
-    genome: Genome,
+@kernel
+def breed_all(
+    nodes: Genes,
+    node_offset: npt.NDArray[np.int64],
+    connections: Genes,
+    connection_offset: npt.NDArray[np.int64],
+    pairs: npt.NDArray[np.int64],
     inputs: int,
     outputs: int,
-    neat: Neat,
+    rates: Rates,
     innovations: Innovations,
-    random: np.random.Generator,
+    random: State,
+) -> tuple[tuple[Genes, npt.NDArray[np.int64]], tuple[Genes, npt.NDArray[np.int64]]]:
+    """One child for each pair of parents, int64[n, 2], the fitter parent's place first.
+
+    Returns nodes and connections of the children. As those of the parents they are joined end to
+    end, genome i's from offset[i] to offset[i + 1].
+    """
+    fitter = pairs[:, 0]
+    room = (node_offset[fitter + 1] - node_offset[fitter] + 1).sum()
+    child_nodes = np.empty(room, dtype=nodes.dtype)
+    room = (connection_offset[fitter + 1] - connection_offset[fitter] + 3).sum()
+    child_connections = np.empty(room, dtype=connections.dtype)
+    child_node_offset = np.zeros(len(pairs) + 1, dtype=np.int64)
+    child_connection_offset = np.zeros(len(pairs) + 1, dtype=np.int64)
+    for child in range(len(pairs)):
+        one, other = pairs[child]
+        new_nodes, new_connections = breed(
+            nodes[node_offset[one] : node_offset[one + 1]],
+            connections[connection_offset[one] : connection_offset[one + 1]],
+            nodes[node_offset[other] : node_offset[other + 1]],
+            connections[connection_offset[other] : connection_offset[other + 1]],
+            one != other,
+            inputs,
+            outputs,
+            rates,
+            innovations,
+            random,
+        )
+        node, connection = child_node_offset[child], child_connection_offset[child]
+        child_node_offset[child + 1] = node + len(new_nodes)
+        child_connection_offset[child + 1] = connection + len(new_connections)
+        child_nodes[node : child_node_offset[child + 1]] = new_nodes
+        child_connections[connection : child_connection_offset[child + 1]] = new_connections
+    return (child_nodes, child_node_offset), (child_connections, child_connection_offset)
+
+
+@kernel
+def breed(
+    fitter_nodes: Genes,
+    fitter_connections: Genes,
+    other_nodes: Genes,
+    other_connections: Genes,
+    crossed: bool,
+    inputs: int,
+    outputs: int,
+    rates: Rates,
+    innovations: Innovations,
+    random: State,
+) -> tuple[Genes, Genes]:
+    """A child's nodes and connections (lines 17-27; removal as named in Section 3.1).
+
+    Not `crossed` if both parents are the same genome: the child begins as its copy.
+    """
+    nodes, connections = fitter_nodes.copy(), fitter_connections.copy()
+    if crossed:
+        crossover(nodes, connections, other_nodes, other_connections, rates.disable, random)
+    if next_double(random) < rates.add_connection:
+        connections = add_connection(
+            nodes, connections, inputs, outputs, rates.weight, innovations, random
+        )
+    if next_double(random) < rates.add_node:
+        nodes, connections = add_node(nodes, connections, innovations, random)
+    if next_double(random) < rates.remove_connection:
+        connections = remove_connection(connections, random)
+    if next_double(random) < rates.remove_node:
+        nodes, connections = remove_node(nodes, connections, outputs, random)
+    mutate_enabled(connections, rates.mutate_enabled, random)
+    mutate_values(connections["weight"], rates.weight, random)
+    mutate_values(nodes["bias"], rates.bias, random)
+    return nodes, connections
+
+
+@kernel
+def crossover(
+    nodes: Genes,
+    connections: Genes,
+    other_nodes: Genes,
+    other_connections: Genes,
+    disable_rate: float,
+    random: State,
 ) -> None:
-    """Mutate a child in place (Algorithm 4, lines 18-27; removal as named in Section 3.1)."""
-    chance = random.random(4)
-    if chance[0] < neat.add_connection_rate:
-        add_connection(genome, inputs, outputs, neat, innovations, random)
-    if chance[1] < neat.add_node_rate:
-        add_node(genome, innovations, random)
-    if chance[2] < neat.remove_connection_rate:
-        remove_connection(genome, random)
-    if chance[3] < neat.remove_node_rate:
-        remove_node(genome, outputs, random)
-    mutate_enabled(genome, neat, random)
-    mutate_weights(genome, neat, random)
+    """Cross a copy of the fitter parent with the other (CROSSOVERALIGNED, line 17).
+
+    The child keeps the structure of the fitter parent; weight, bias and state of a gene that both
+    have come from either with equal chance. A gene disabled in a parent is disabled in the child
+    with `disable_rate` (Stanley & Miikkulainen 2002).
+    """
+    o = 0
+    for c in range(len(connections)):
+        while o < len(other_connections) and (
+            other_connections[o].innovation < connections[c].innovation
+        ):
+            o += 1
+        if o == len(other_connections):
+            break
+        if other_connections[o].innovation == connections[c].innovation:
+            if not (connections[c].enabled and other_connections[o].enabled):
+                connections[c].enabled = next_double(random) >= disable_rate
+            if next_double(random) < 0.5:
+                connections[c].weight = other_connections[o].weight
+    o = 0
+    for n in range(len(nodes)):
+        while o < len(other_nodes) and other_nodes[o].id < nodes[n].id:
+            o += 1
+        if o == len(other_nodes):
+            break
+        if other_nodes[o].id == nodes[n].id and next_double(random) < 0.5:
+            nodes[n].bias = other_nodes[o].bias
 
 
+@kernel
 def add_connection(
-    genome: Genome,
+    nodes: Genes,
+    connections: Genes,
     inputs: int,
     outputs: int,
-    neat: Neat,
+    weight: Values,
     innovations: Innovations,
-    random: np.random.Generator,
-) -> None:
-    """Connect two random nodes, unless they are connected or it would close a cycle.
+    random: State,
+) -> Genes:
+    """Connect two random nodes (line 19), unless they are connected or it would close a cycle.
 
     Sources are inputs and hidden nodes, targets hidden nodes and outputs; disabled connections
     count as connections, so that enabling one can never close a cycle.
     """
-    hidden = genome.nodes["id"][outputs:]
-    place = random.integers(inputs + len(hidden))
-    source = int(place) if place < inputs else int(hidden[place - inputs])
-    target = int(genome.nodes["id"][random.integers(len(genome.nodes))])
-    if source == target or is_connected(genome.connections, source, target):
-        return
-    if reaches(genome.connections, target, source):
-        return
-    weight = fresh_values(neat.weight_init_sd, neat.weight_limit, random, 1)[0]
-    innovation = innovations.connection(source, target)
-    genome.connections = _with_gene(genome.connections, innovation, source, target, weight)
-
-
-def add_node(genome: Genome, innovations: Innovations, random: np.random.Generator) -> None:
-    """Split a random enabled connection: it is disabled, a node with bias 0 takes its place.
-
-    The connection into the node has weight 1, the one out of it the old weight.
-    """
-    (enabled,) = np.nonzero(genome.connections["enabled"])
-    if not len(enabled):
-        return
-    split = enabled[random.integers(len(enabled))]
-    genome.connections["enabled"][split] = False
-    innovation, source, target, weight, _ = genome.connections[split].item()
-    node, into, out_of = innovations.split(innovation)
-    # A node of this generation has the highest id so far, so it comes last.
-    genome.nodes = np.append(genome.nodes, np.array((node, 0.0), dtype=NODE))
-    genome.connections = _with_gene(genome.connections, into, source, node, 1.0)
-    genome.connections = _with_gene(genome.connections, out_of, node, target, weight)
-
-
-def remove_connection(genome: Genome, random: np.random.Generator) -> None:
-    """Remove a random connection."""
-    if len(genome.connections):
-        index = random.integers(len(genome.connections))
-        genome.connections = np.delete(genome.connections, index)
-
-
-def remove_node(genome: Genome, outputs: int, random: np.random.Generator) -> None:
-    """Remove a random hidden node and its connections."""
-    hidden = len(genome.nodes) - outputs
-    if not hidden:
-        return
-    index = outputs + random.integers(hidden)
-    node = genome.nodes["id"][index]
-    touching = (genome.connections["source"] == node) | (genome.connections["target"] == node)
-    genome.nodes = np.delete(genome.nodes, index)
-    genome.connections = genome.connections[~touching]
-
-
-def mutate_enabled(genome: Genome, neat: Neat, random: np.random.Generator) -> None:
-    """Draw the state of a few connections anew."""
-    chance = random.random(len(genome.connections))
-    chosen = chance < neat.enabled_mutate_rate
-    # The chance of a chosen one is uniform below the rate: its halves give the new state.
-    genome.connections["enabled"][chosen] = chance[chosen] < neat.enabled_mutate_rate / 2
-
-
-def mutate_weights(genome: Genome, neat: Neat, random: np.random.Generator) -> None:
-    """Mutate weights and biases as WM_MODE says (Algorithm 4, lines 22-27).
-
-    off: not at all. config: each is perturbed with its mutate rate, or replaced by a fresh one
-    with its replace rate. A probability p: each is perturbed with p in place of both mutate
-    rates, and none is replaced.
-    """
-    if neat.weight_mutation == "off":
-        return
-    if neat.weight_mutation == "config":
-        weight_rates = neat.weight_mutate_rate, neat.weight_replace_rate
-        bias_rates = neat.bias_mutate_rate, neat.bias_replace_rate
-    else:
-        weight_rates = bias_rates = neat.weight_mutation, 0.0
-    weight, bias = genome.connections["weight"], genome.nodes["bias"]
-    _perturb(
-        weight,
-        *weight_rates,
-        neat.weight_mutate_power,
-        neat.weight_init_sd,
-        neat.weight_limit,
-        random.random(len(weight)),
-        random.standard_normal(len(weight)),
-    )
-    _perturb(
-        bias,
-        *bias_rates,
-        neat.bias_mutate_power,
-        neat.bias_init_sd,
-        neat.bias_limit,
-        random.random(len(bias)),
-        random.standard_normal(len(bias)),
-    )
-
-
-def fresh_values(
-    sd: float, limit: float, random: np.random.Generator, size: int
-) -> npt.NDArray[np.float64]:
-    """Fresh weights or biases: normal with mean 0, clipped to their limit."""
-    return np.clip(sd * random.standard_normal(size), -limit, limit)
+    source = below(inputs + len(nodes) - outputs, random)
+    if source >= inputs:
+        source = nodes[outputs + source - inputs].id
+    target = nodes[below(len(nodes), random)].id
+    if is_connected(connections, source, target) or reaches(connections, target, source):
+        return connections
+    innovation = connection_number(innovations, source, target)
+    return _with_gene(connections, innovation, source, target, fresh_values(1, weight, random)[0])
 
 
 @kernel
-def is_connected(connections: npt.NDArray[np.void], source: int, target: int) -> bool:
+def add_node(
+    nodes: Genes, connections: Genes, innovations: Innovations, random: State
+) -> tuple[Genes, Genes]:
+    """Split a random enabled connection (line 21): it is disabled, a node takes its place.
+
+    The node has bias 0, the connection into it weight 1, the one out of it the old weight.
+    """
+    enabled = np.flatnonzero(connections["enabled"])
+    if len(enabled) == 0:
+        return nodes, connections
+    split = connections[enabled[below(len(enabled), random)]]
+    split.enabled = False
+    node, source, target = split_node(innovations, split.innovation), split.source, split.target
+    # A node of this generation has the highest id so far, so it comes last.
+    longer = np.empty(len(nodes) + 1, dtype=nodes.dtype)
+    longer[:-1] = nodes
+    longer[-1].id = node
+    longer[-1].bias = 0.0
+    into = connection_number(innovations, source, node)
+    out_of = connection_number(innovations, node, target)
+    weight = split.weight
+    connections = _with_gene(connections, into, source, node, 1.0)
+    return longer, _with_gene(connections, out_of, node, target, weight)
+
+
+@kernel
+def remove_connection(connections: Genes, random: State) -> Genes:
+    """Remove a random connection."""
+    if len(connections) == 0:
+        return connections
+    kept: Genes = connections[np.arange(len(connections)) != below(len(connections), random)]
+    return kept
+
+
+@kernel
+def remove_node(
+    nodes: Genes, connections: Genes, outputs: int, random: State
+) -> tuple[Genes, Genes]:
+    """Remove a random hidden node and its connections."""
+    if len(nodes) == outputs:
+        return nodes, connections
+    node = nodes[outputs + below(len(nodes) - outputs, random)].id
+    apart = (connections["source"] != node) & (connections["target"] != node)
+    return nodes[nodes["id"] != node], connections[apart]
+
+
+@kernel
+def mutate_enabled(connections: Genes, rate: float, random: State) -> None:
+    """Draw the state of a few connections anew."""
+    for c in range(len(connections)):
+        chance = next_double(random)
+        if chance < rate:
+            # The chance is uniform below the rate: its halves give the new state.
+            connections[c].enabled = chance < rate / 2
+
+
+@kernel
+def is_connected(connections: Genes, source: int, target: int) -> bool:
     """Whether the connection exists, enabled or not."""
     for c in range(len(connections)):
         if connections[c].source == source and connections[c].target == target:
@@ -178,7 +268,7 @@ def is_connected(connections: npt.NDArray[np.void], source: int, target: int) ->
 
 
 @kernel
-def reaches(connections: npt.NDArray[np.void], start: int, goal: int) -> bool:
+def reaches(connections: Genes, start: int, goal: int) -> bool:
     """Whether a path along connections, enabled or not, leads from one node to another."""
     reached = {start}
     grows = True
@@ -192,72 +282,19 @@ def reaches(connections: npt.NDArray[np.void], start: int, goal: int) -> bool:
 
 
 @kernel
-def _cross_connections(
-    child: npt.NDArray[np.void],
-    mate: npt.NDArray[np.void],
-    disable_rate: float,
-    chance: npt.NDArray[np.float64],
-) -> None:
-    m = 0
-    for c in range(len(child)):
-        while m < len(mate) and mate[m].innovation < child[c].innovation:
-            m += 1
-        if m == len(mate) or mate[m].innovation != child[c].innovation:
-            continue
-        if not (child[c].enabled and mate[m].enabled):
-            child[c].enabled = chance[c, 1] >= disable_rate
-        if chance[c, 0] < 0.5:
-            child[c].weight = mate[m].weight
-
-
-@kernel
-def _cross_nodes(
-    child: npt.NDArray[np.void], mate: npt.NDArray[np.void], chance: npt.NDArray[np.float64]
-) -> None:
-    m = 0
-    for n in range(len(child)):
-        while m < len(mate) and mate[m].id < child[n].id:
-            m += 1
-        if m < len(mate) and mate[m].id == child[n].id and chance[n] < 0.5:
-            child[n].bias = mate[m].bias
-
-
-@kernel
 def _with_gene(
-    connections: npt.NDArray[np.void], innovation: int, source: int, target: int, weight: float
-) -> npt.NDArray[np.void]:
+    connections: Genes, innovation: int, source: int, target: int, weight: float
+) -> Genes:
     """The connections with one more, enabled, where its innovation number belongs."""
+    place = len(connections)
+    while place > 0 and connections[place - 1].innovation > innovation:
+        place -= 1
     longer = np.empty(len(connections) + 1, dtype=connections.dtype)
-    c = len(connections)
-    while c > 0 and connections[c - 1].innovation > innovation:
-        longer[c] = connections[c - 1]
-        c -= 1
-    longer[:c] = connections[:c]
-    longer[c].innovation = innovation
-    longer[c].source = source
-    longer[c].target = target
-    longer[c].weight = weight
-    longer[c].enabled = True
+    longer[:place] = connections[:place]
+    longer[place + 1 :] = connections[place:]
+    longer[place].innovation = innovation
+    longer[place].source = source
+    longer[place].target = target
+    longer[place].weight = weight
+    longer[place].enabled = True
     return longer
-
-
-@kernel
-def _perturb(
-    values: npt.NDArray[np.float64],
-    mutate_rate: float,
-    replace_rate: float,
-    power: float,
-    sd: float,
-    limit: float,
-    chance: npt.NDArray[np.float64],
-    noise: npt.NDArray[np.float64],
-) -> None:
-    """Perturb or replace some values in place; `chance` is uniform, `noise` standard normal."""
-    for i in range(len(values)):
-        if chance[i] >= mutate_rate + replace_rate:
-            continue
-        if chance[i] < mutate_rate:
-            mutated = values[i] + power * noise[i]
-        else:
-            mutated = sd * noise[i]
-        values[i] = min(max(mutated, -limit), limit)

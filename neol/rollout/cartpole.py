@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
+from neol.pcg64 import State, uniform
 from neol.rollout.episodes import Batch, play_batch
-from neol.rollout.pcg64 import State, uniform
 
 Array = npt.NDArray[np.float64]
 

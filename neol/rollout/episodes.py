@@ -14,8 +14,8 @@ from numba import types
 from numba.extending import overload_method, register_jitable
 
 from neol.network import forward
+from neol.pcg64 import State, seed_pcg64
 from neol.plasticity import learn
-from neol.rollout.pcg64 import State, seed_pcg64
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]

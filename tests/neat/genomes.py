@@ -4,8 +4,9 @@ import numpy as np
 from hypothesis import strategies as st
 
 from neol.neat.genome import CONNECTION, NODE, Genome
-from neol.neat.reproduction import Reproduction
-from neol.neat.variation import crossover, mutate
+from neol.neat.reproduction import Reproduction, fittest_first
+from neol.neat.variation import breed, crossover
+from neol.pcg64 import State, new_state
 from neol.spec import Neat, load_configuration
 
 INPUTS, OUTPUTS = 3, 2
@@ -29,21 +30,54 @@ def genome_of(
     return Genome(id, nodes, np.array(connections, dtype=CONNECTION), fitness)
 
 
+def stream(seed: int = 0) -> State:
+    """The state of a random stream."""
+    return new_state(np.random.default_rng(seed))
+
+
+def cross(one: Genome, other: Genome, neat: Neat, seed: int = 0) -> Genome:
+    """A child of two parents by crossover alone."""
+    fitter, weaker = fittest_first([one, other])
+    child = fitter.copy(9)
+    crossover(
+        child.nodes,
+        child.connections,
+        weaker.nodes,
+        weaker.connections,
+        neat.disable_rate,
+        stream(seed),
+    )
+    return child
+
+
 def grow(seed: int, neat: Neat, rounds: int) -> tuple[list[Genome], Reproduction]:
     """Six genomes after rounds of crossover and mutation with random fitness."""
     random = np.random.default_rng(seed)
     reproduction = Reproduction(INPUTS, OUTPUTS, neat)
     population = reproduction.initial_population(6, random)
+    state = new_state(random)
     for _ in range(rounds):
-        reproduction.innovations.begin_generation()
+        reproduction.innovations = reproduction.innovations.next_generation(len(population))
         for genome in population:
             genome.fitness = float(random.integers(3))
         children = []
         for parent in population:
             mate = population[random.integers(len(population))]
-            child = crossover(reproduction.next_genome, parent, mate, neat, random)
+            fitter, other = fittest_first([parent, mate])
+            nodes, connections = breed(
+                fitter.nodes,
+                fitter.connections,
+                other.nodes,
+                other.connections,
+                fitter is not other,
+                INPUTS,
+                OUTPUTS,
+                reproduction.rates,
+                reproduction.innovations,
+                state,
+            )
+            child = Genome(reproduction.next_genome, nodes, connections)
             reproduction.next_genome += 1
-            mutate(child, INPUTS, OUTPUTS, neat, reproduction.innovations, random)
             children.append(child)
         population = children
     return population, reproduction

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from hypothesis import given, settings
 
-from neol.neat.genome import Genome, decode, encode_weights, node_index
+from neol.neat.genome import CONNECTION, Genome, decode, encode_weights, join, split
 from neol.neat.reproduction import Reproduction
 from neol.spec import load_configuration
 from tests.neat.genomes import INPUTS, OUTPUTS, genome_of, populations
@@ -77,7 +77,11 @@ def test_a_network_by_hand() -> None:
     assert gene.tolist() == [0, 2, 3, 4]
 
 
-def test_node_index() -> None:
-    nodes = genome_of([], hidden=[7, 12]).nodes
-    assert [node_index(nodes, id) for id in (3, 4, 7, 12)] == [0, 1, 2, 3]
-    assert [node_index(nodes, id) for id in (0, 5, 99)] == [-1, -1, -1]
+@given(populations)
+@settings(max_examples=20, deadline=None)
+def test_genes_are_joined_and_split(grown: tuple[list[Genome], Reproduction]) -> None:
+    population, _ = grown
+    parts = split(*join([genome.connections for genome in population]))
+    for genome, part in zip(population, parts, strict=True):
+        assert part.dtype == CONNECTION
+        assert part.tolist() == genome.connections.tolist()

@@ -4,24 +4,36 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from neol.neat.genome import Genome, Innovations
-from neol.neat.reproduction import Reproduction
-from neol.neat.variation import add_connection, add_node, crossover, mutate_weights, reaches
+from neol.neat.genome import Genome, join, split
+from neol.neat.innovations import Innovations, connection_number, split_node
+from neol.neat.reproduction import Reproduction, fittest_first
+from neol.neat.values import fresh_values, mutate_values
+from neol.neat.variation import (
+    Rates,
+    add_connection,
+    add_node,
+    breed,
+    breed_all,
+    mutate_enabled,
+    reaches,
+    remove_connection,
+    remove_node,
+)
+from neol.pcg64 import next_double, standard_normals
 from tests.neat.genomes import (
     INPUTS,
     OUTPUTS,
     assert_sound,
+    cross,
     genome_of,
     grow,
     neat_constants,
     populations,
+    stream,
 )
 
 NEAT = neat_constants()
-
-
-def rng(seed: int = 0) -> np.random.Generator:
-    return np.random.default_rng(seed)
+RATES = Rates.of(NEAT)
 
 
 @given(populations)
@@ -56,7 +68,7 @@ def test_genes_of_a_child_come_from_its_parents(
     for genome in population:
         genome.fitness = float(genome.id % 3)
     parent, mate = population[:2]
-    child = crossover(999, parent, mate, NEAT, rng())
+    child = cross(parent, mate, NEAT)
     fitter = max((parent, mate), key=lambda g: (g.fitness, -len(g.connections), -g.id))
     structure = ["innovation", "source", "target"]
     assert (child.connections[structure] == fitter.connections[structure]).all()
@@ -79,9 +91,7 @@ def test_crossover_by_hand() -> None:
     )
     seen = set()
     for seed in range(40):
-        child = crossover(9, weaker, fitter, NEAT, rng(seed))
-        assert child.id == 9
-        assert np.isnan(child.fitness)
+        child = cross(weaker, fitter, NEAT, seed)
         assert child.connections["innovation"].tolist() == [0, 1, 4]
         assert child.connections["weight"][1] == 2.0
         seen.add((child.connections["weight"][0], child.connections["weight"][2]))
@@ -91,52 +101,152 @@ def test_crossover_by_hand() -> None:
 def test_of_equally_fit_parents_the_smaller_gives_the_structure() -> None:
     small = genome_of([(0, 0, 3, 1.0, True)], id=7)
     large = genome_of([(0, 0, 3, 1.0, True), (1, 1, 3, 1.0, True)], id=1)
-    assert len(crossover(9, large, small, NEAT, rng()).connections) == 1
-    assert len(crossover(9, small, large, NEAT, rng()).connections) == 1
+    assert fittest_first([large, small]) == fittest_first([small, large]) == [small, large]
+    assert len(cross(large, small, NEAT).connections) == 1
+    older, fitter = genome_of([(0, 0, 3, 1.0, True)], id=6), genome_of([], id=8, fitness=0.1)
+    assert fittest_first([large, small, older, fitter]) == [fitter, older, small, large]
 
 
 def test_a_gene_disabled_in_a_parent_is_disabled_in_most_children() -> None:
     on = genome_of([(0, 0, 3, 1.0, True)], id=1, fitness=1.0)
     off = genome_of([(0, 0, 3, 1.0, False)], id=2)
-    children = [crossover(9, on, off, NEAT, rng(seed)) for seed in range(2000)]
+    children = [cross(on, off, NEAT, seed) for seed in range(2000)]
     disabled = np.mean([not child.connections["enabled"][0] for child in children])
     assert disabled == pytest.approx(0.75, abs=0.04)
 
 
-def test_a_child_shares_no_memory_with_its_parent() -> None:
-    parent = genome_of([(0, 0, 3, 1.0, True)], fitness=1.0)
-    child = crossover(9, parent, parent, NEAT, rng())
-    child.connections["weight"] = 5.0
-    child.nodes["bias"] = 5.0
+def children_of(
+    parents: list[Genome], pairs: list[tuple[int, int]], rates: Rates, innovations: Innovations
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The genes of one child for each pair of parents."""
+    nodes, connections = breed_all(
+        *join([parent.nodes for parent in parents]),
+        *join([parent.connections for parent in parents]),
+        np.array(pairs),
+        INPUTS,
+        OUTPUTS,
+        rates,
+        innovations,
+        stream(),
+    )
+    return list(zip(split(*nodes), split(*connections), strict=True))
+
+
+@given(populations)
+@settings(max_examples=30, deadline=None)
+def test_breeding_all_is_breeding_one_after_the_other(
+    grown: tuple[list[Genome], Reproduction],
+) -> None:
+    population, reproduction = grown
+    pairs = [(0, 3), (2, 2), (1, 5), (4, 5)]
+    mark = (reproduction.innovations.next_innovation, reproduction.innovations.next_node)
+    together, alone = Innovations.begin(*mark, len(pairs)), Innovations.begin(*mark, len(pairs))
+    children = children_of(population, pairs, reproduction.rates, together)
+    state = stream()
+    for (one, other), (nodes, connections) in zip(pairs, children, strict=True):
+        fitter, weaker = population[one], population[other]
+        expected = breed(
+            fitter.nodes,
+            fitter.connections,
+            weaker.nodes,
+            weaker.connections,
+            one != other,
+            INPUTS,
+            OUTPUTS,
+            reproduction.rates,
+            alone,
+            state,
+        )
+        assert nodes.tolist() == expected[0].tolist()
+        assert connections.tolist() == expected[1].tolist()
+    assert together.next_innovation == alone.next_innovation
+    assert together.next_node == alone.next_node
+
+
+def test_a_genome_bred_with_itself_and_unmutated_is_copied() -> None:
+    """Not even a disabled gene is drawn anew; and nothing is shared."""
+    rates = RATES._replace(add_connection=0.0, add_node=0.0, mutate_enabled=0.0)
+    rates = rates._replace(weight=rates.weight._replace(mutate_rate=0.0, replace_rate=0.0))
+    rates = rates._replace(bias=rates.bias._replace(mutate_rate=0.0, replace_rate=0.0))
+    parent = genome_of([(i, i % INPUTS, 3, 1.0, False) for i in range(50)])
+    (nodes, connections), _ = children_of(
+        [parent], [(0, 0), (0, 0)], rates, Innovations.begin(50, 5, 2)
+    )
+    assert nodes.tolist() == parent.nodes.tolist()
+    assert connections.tolist() == parent.connections.tolist()
+    connections["weight"], nodes["bias"] = 5.0, 5.0
     assert parent.connections["weight"][0] == 1.0
     assert parent.nodes["bias"][0] == 0.0
 
 
 def test_the_same_mutation_in_one_generation_gets_the_same_numbers() -> None:
-    innovations = Innovations(next_innovation=10, next_node=5)
-    assert innovations.split(0) == innovations.split(0) == (5, 10, 11)
-    assert innovations.connection(2, 3) == innovations.connection(2, 3) == 12
-    assert innovations.split(1) == (6, 13, 14)
-    innovations.begin_generation()
-    assert innovations.split(0) == (7, 15, 16)
-    assert innovations.connection(2, 3) == 17
+    innovations = Innovations.begin(innovation=10, node=5, children=2)
+    assert split_node(innovations, 0) == split_node(innovations, 0) == 5
+    assert connection_number(innovations, 1, 5) == connection_number(innovations, 1, 5) == 10
+    assert connection_number(innovations, 5, 3) == 11
+    assert connection_number(innovations, 2, 3) == connection_number(innovations, 2, 3) == 12
+    assert connection_number(innovations, 1, 5) == 10
+    assert split_node(innovations, 1) == 6
+    assert (innovations.next_innovation, innovations.next_node) == (13, 7)
+    innovations = innovations.next_generation(1)
+    assert split_node(innovations, 0) == 7
+    assert connection_number(innovations, 2, 3) == 13
+
+
+def test_more_mutations_than_there_is_room_for_are_refused() -> None:
+    innovations = Innovations.begin(innovation=10, node=5, children=1)
+    split_node(innovations, 0)
+    with pytest.raises(IndexError):
+        split_node(innovations, 1)
+    for source in range(3):
+        connection_number(innovations, source, 3)
+    with pytest.raises(IndexError):
+        connection_number(innovations, 3, 3)
+
+
+def test_siblings_that_split_the_same_connection_get_the_same_genes() -> None:
+    rates = RATES._replace(add_connection=0.0, add_node=1.0)
+    parent = genome_of([(0, 0, 3, 0.7, True)])
+    innovations = Innovations.begin(6, 5, 3)
+    for nodes, connections in children_of([parent], [(0, 0)] * 3, rates, innovations):
+        assert nodes["id"].tolist() == [3, 4, 5]
+        assert connections["innovation"].tolist() == [0, 6, 7]
 
 
 def test_add_node_splits_a_connection() -> None:
     genome = genome_of([(0, 0, 3, 0.7, True)])
-    add_node(genome, Innovations(next_innovation=6, next_node=5), rng())
-    assert genome.connections.tolist() == [
+    nodes, connections = add_node(
+        genome.nodes, genome.connections, Innovations.begin(6, 5, 1), stream()
+    )
+    assert connections.tolist() == [
         (0, 0, 3, 0.7, False),
         (6, 0, 5, 1.0, True),
         (7, 5, 3, 0.7, True),
     ]
-    assert genome.nodes.tolist() == [(3, 0.0), (4, 0.0), (5, 0.0)]
+    assert nodes.tolist() == [(3, 0.0), (4, 0.0), (5, 0.0)]
 
 
 def test_add_node_needs_an_enabled_connection() -> None:
     genome = genome_of([(0, 0, 3, 0.7, False)])
-    add_node(genome, Innovations(next_innovation=6, next_node=5), rng())
-    assert len(genome.nodes) == OUTPUTS
+    nodes, _ = add_node(genome.nodes, genome.connections, Innovations.begin(6, 5, 1), stream())
+    assert len(nodes) == OUTPUTS
+
+
+def test_removal() -> None:
+    """A node goes with all that touches it; from nothing nothing is removed."""
+    genome = genome_of(
+        [(0, 0, 5, 1.0, True), (1, 5, 3, 2.0, False), (2, 1, 4, 3.0, True)], hidden=[5]
+    )
+    nodes, connections = remove_node(genome.nodes, genome.connections, OUTPUTS, stream())
+    assert nodes["id"].tolist() == [3, 4]
+    assert connections.tolist() == [(2, 1, 4, 3.0, True)]
+    assert len(remove_node(nodes, connections, OUTPUTS, stream())[0]) == OUTPUTS
+    left = {
+        tuple(remove_connection(genome.connections, stream(seed))["innovation"].tolist())
+        for seed in range(40)
+    }
+    assert left == {(0, 1), (0, 2), (1, 2)}
+    assert len(remove_connection(connections[:0], stream())) == 0
 
 
 def test_add_connection_never_closes_a_cycle_nor_doubles_one() -> None:
@@ -145,8 +255,15 @@ def test_add_connection_never_closes_a_cycle_nor_doubles_one() -> None:
     added = set()
     for seed in range(300):
         genome = genome_of(chain, hidden=[5, 6])
-        innovations = Innovations(next_innovation=3, next_node=7)
-        add_connection(genome, INPUTS, OUTPUTS, NEAT, innovations, rng(seed))
+        genome.connections = add_connection(
+            genome.nodes,
+            genome.connections,
+            INPUTS,
+            OUTPUTS,
+            RATES.weight,
+            Innovations.begin(3, 7, 1),
+            stream(seed),
+        )
         assert_sound(genome)
         added |= {(int(g["source"]), int(g["target"])) for g in genome.connections[3:]}
     every = {(s, t) for s in (0, 1, 2, 5, 6) for t in (3, 4, 5, 6) if s != t}
@@ -163,10 +280,8 @@ def test_reaches() -> None:
 @pytest.mark.parametrize("mode", ["off", "config", 0.3, 0.0, 1.0])
 def test_weight_mutation_modes(mode: str | float) -> None:
     neat = neat_constants(weight_mutation=mode)
-    connections = [(i, i % INPUTS, 3, 100.0, True) for i in range(4000)]
-    genome = genome_of(connections)
-    mutate_weights(genome, neat, rng())
-    weight = genome.connections["weight"]
+    weight = np.full(4000, 100.0)
+    mutate_values(weight, Rates.of(neat).weight, stream())
     changed = np.mean(weight != 100.0)
     expected = {"off": 0.0, "config": neat.weight_mutate_rate + neat.weight_replace_rate}
     assert changed == pytest.approx(expected.get(str(mode), mode), abs=0.03)
@@ -175,13 +290,44 @@ def test_weight_mutation_modes(mode: str | float) -> None:
     assert replaced == pytest.approx(neat.weight_replace_rate if mode == "config" else 0, abs=0.03)
 
 
+@pytest.mark.parametrize("mode", ["off", "config", 0.3])
+def test_mutated_values_are_those_of_a_plain_twin(mode: str | float) -> None:
+    rates = Rates.of(neat_constants(weight_mutation=mode, weight_limit=2.5)).weight
+    values, state, twin_state = np.linspace(-3.0, 3.0, 101), stream(), stream()
+    expected = values.tolist()
+    if mode != "off":
+        noise = standard_normals(len(values), twin_state).tolist()
+        for i, chance in enumerate(next_double(twin_state) for _ in noise):
+            if chance < rates.mutate_rate + rates.replace_rate:
+                new = expected[i] + rates.mutate_power * noise[i]
+                if chance >= rates.mutate_rate:
+                    new = rates.init_sd * noise[i]
+                expected[i] = min(max(new, -2.5), 2.5)
+    mutate_values(values, rates, state)
+    assert values.tolist() == expected
+    assert state.tolist() == twin_state.tolist()
+
+
 def test_a_perturbation_has_the_power_of_the_configuration() -> None:
     neat = neat_constants(weight_mutation=1.0)
-    genome = genome_of([(i, i % INPUTS, 3, 2.0, True) for i in range(4000)])
-    mutate_weights(genome, neat, rng())
-    change = genome.connections["weight"] - 2.0
+    weight = np.full(4000, 2.0)
+    mutate_values(weight, Rates.of(neat).weight, stream())
+    change = weight - 2.0
     assert change.std() == pytest.approx(neat.weight_mutate_power, rel=0.05)
     assert change.mean() == pytest.approx(0.0, abs=0.03)
+
+
+def test_fresh_values_have_the_spread_and_the_limit_of_the_configuration() -> None:
+    rates = RATES.weight._replace(init_sd=2.0, limit=3.0)
+    values = fresh_values(4000, rates, stream())
+    assert np.abs(values).max() == 3.0
+    assert np.mean(np.abs(values) < 2.0) == pytest.approx(0.683, abs=0.03)
+
+
+def test_enabled_flags_are_drawn_anew_at_their_rate() -> None:
+    connections = genome_of([(i, i % INPUTS, 3, 1.0, True) for i in range(4000)]).connections
+    mutate_enabled(connections, 0.4, stream())
+    assert np.mean(connections["enabled"]) == pytest.approx(0.8, abs=0.03)
 
 
 def test_growing_is_deterministic() -> None:

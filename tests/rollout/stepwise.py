@@ -7,8 +7,8 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from neol.pcg64 import seed_pcg64
 from neol.rollout.episodes import World
-from neol.rollout.pcg64 import seed_pcg64
 
 Array = npt.NDArray[np.float64]
 

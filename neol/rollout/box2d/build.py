@@ -22,8 +22,8 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 
+from neol.pcg64 import seed_pcg64
 from neol.rollout.box2d.library import FLAGS, FOLDER, LIBRARY, LOCK, TASKS, load, stamp
-from neol.rollout.pcg64 import seed_pcg64
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion")
 SANITIZE = (

@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from neol.foreign import address, call_int
 from neol.kernel import kernel
+from neol.pcg64 import State
 from neol.rollout.box2d.library import TASKS
 from neol.rollout.episodes import Batch, play_batch
-from neol.rollout.pcg64 import State
 
 Array = npt.NDArray[np.float64]
 

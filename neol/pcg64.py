@@ -1,9 +1,11 @@
-"""The random stream of Gymnasium's env.reset(seed=s), in compiled code.
+"""The random stream of numpy's Generator(PCG64(SeedSequence(s))), in compiled code.
 
-That is numpy's Generator(PCG64(SeedSequence(s))): a 128-bit linear congruential generator with
-O'Neill's XSL-RR output. Its state here is uint64[4]: state high, state low, increment high,
-increment low.
+Gymnasium's env.reset(seed=s) uses it, and so does NEAT's variation. It is a 128-bit linear
+congruential generator with O'Neill's XSL-RR output. Its state here is uint64[4]: state high,
+state low, increment high, increment low.
 """
+
+import math
 
 import numpy as np
 import numpy.typing as npt
@@ -60,6 +62,13 @@ def seed_pcg64(seed: np.uint64, state: State) -> None:
     _advance(state)
 
 
+def new_state(random: np.random.Generator) -> State:
+    """The state of a new stream, seeded by a number drawn from another one."""
+    state = np.empty(4, dtype=np.uint64)
+    seed_pcg64(random.integers(2**64, dtype=np.uint64), state)
+    return state
+
+
 @kernel
 def next_double(state: State) -> float:
     """The next number of Generator.random(), in [0, 1)."""
@@ -74,3 +83,29 @@ def next_double(state: State) -> float:
 def uniform(low: float, high: float, state: State) -> float:
     """The next number of Generator.uniform(low, high)."""
     return low + (high - low) * next_double(state)
+
+
+@kernel
+def below(limit: int, state: State) -> int:
+    """A whole number from 0 to limit - 1; 53 random bits, so limits far below 2^53."""
+    return int(limit * next_double(state))
+
+
+@kernel
+def standard_normals(size: int, state: State) -> npt.NDArray[np.float64]:
+    """Independent standard normal numbers, float64[size], by Marsaglia's polar method.
+
+    Not the numbers of Generator.standard_normal().
+    """
+    normals = np.empty(size)
+    for i in range(0, size, 2):
+        square = 0.0
+        while square == 0.0 or square >= 1.0:
+            x = 2.0 * next_double(state) - 1.0
+            y = 2.0 * next_double(state) - 1.0
+            square = x * x + y * y
+        scale = math.sqrt(-2.0 * math.log(square) / square)
+        normals[i] = scale * x
+        if i + 1 < size:
+            normals[i + 1] = scale * y
+    return normals

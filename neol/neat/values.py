@@ -1,0 +1,47 @@
+"""The numbers in genes, weights and biases: fresh ones and mutated ones (paper's Algorithm 4)."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from neol.kernel import kernel
+from neol.pcg64 import State, next_double, standard_normals
+
+
+class Values(NamedTuple):
+    """How weights, or biases, are made and mutated."""
+
+    init_sd: float
+    limit: float
+    mutate_rate: float
+    replace_rate: float
+    mutate_power: float
+
+
+@kernel
+def mutate_values(values: npt.NDArray[np.float64], rates: Values, random: State) -> None:
+    """Perturb or replace some weights or biases in place (lines 22-27)."""
+    if rates.mutate_rate + rates.replace_rate == 0.0:
+        return
+    noise = standard_normals(len(values), random)
+    for i in range(len(values)):
+        chance = next_double(random)
+        if chance < rates.mutate_rate:
+            values[i] = _clip(values[i] + rates.mutate_power * noise[i], rates.limit)
+        elif chance < rates.mutate_rate + rates.replace_rate:
+            values[i] = _clip(rates.init_sd * noise[i], rates.limit)
+
+
+@kernel
+def fresh_values(size: int, rates: Values, random: State) -> npt.NDArray[np.float64]:
+    """Fresh weights or biases: normal with mean 0, clipped to their limit."""
+    values = standard_normals(size, random)
+    for i in range(size):
+        values[i] = _clip(rates.init_sd * values[i], rates.limit)
+    return values
+
+
+@kernel
+def _clip(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
