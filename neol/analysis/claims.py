@@ -6,8 +6,9 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
   the one-sided rank-sum test has p < 0.05.
 - contradicted: the interval lies at or below 0, the test is significant the other way round. As
   one part suffices to contradict a claim, these use 0.05 divided by the number of parts.
-- undecided otherwise, and where a cell is not in the budget, lacks seeds, or has fewer than 5. No
-  fewer seeds than the paper's 30 bear out a claim of no significant difference.
+- undecided otherwise, and where a cell is not in the budget, lacks seeds, or has fewer than 5. A
+  claim of no significant difference is about the two-sided test, and no fewer seeds than the
+  paper's 30 bear it out.
 """
 
 import json
@@ -74,7 +75,7 @@ class Finding:
     high: float = math.nan
     """The 95% interval."""
     p: float = math.nan
-    """One-sided, for a claim about significance."""
+    """Of the rank-sum test: one-sided; two-sided for a claim of no significance."""
     seeds: int = 0
     """Of the cell that has the fewest."""
     needed: float = math.nan
@@ -153,11 +154,12 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     if part.rule == "interval":
         right = low >= 0 if part.at_least else low > 0
         wrong = highest < 0 if part.at_least else highest <= 0
-    else:
+    elif part.rule == "significance":
         p = rank_sum(*samples)
         right, wrong = p < ALPHA, rank_sum(*reversed(samples)) < alpha
-        if part.rule == "no significance":
-            right, wrong = p >= ALPHA and seeds >= PAPER_SEEDS, p < alpha
+    else:
+        p = min(1.0, 2 * min(rank_sum(*samples), rank_sum(*reversed(samples))))
+        right, wrong = p >= ALPHA and seeds >= PAPER_SEEDS, p < alpha
     verdict: Verdict = "supported" if right else "contradicted" if wrong else "undecided"
     reason = ""
     if any(outcomes.missing(cell) for cell in cells):

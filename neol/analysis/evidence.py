@@ -48,7 +48,7 @@ class Part:
     at_least: bool = False
     """Whether an effect of exactly 0 bears the claim out as well."""
     rule: Literal["interval", "significance", "no significance"] = "interval"
-    """What decides: the effect's interval, or the p-value of the one-sided rank-sum test."""
+    """What decides: the effect's interval, or the rank-sum test's p-value, one- or two-sided."""
     grows: bool = False
     """Whether more generations could bring it about: fewer than the paper's contradict nothing."""
 

@@ -159,6 +159,8 @@ class TestSignificance:
     def test_not_significant_needs_as_many_seeds_as_the_paper(self) -> None:
         test = self.TEST | {"kind": "not_significant"}
         assert verdict(self.BETTER, **test) == "contradicted"
+        worse = {cell("bcm"): around(5) * 4, cell("neat"): around(10) * 4}
+        assert verdict(worse, **test, seeds=32) == "contradicted"
         equal = [500.0] * 30
         few = {cell("bcm"): equal[:8], cell("neat"): equal[:8]}
         assert verdict(few, **test) == "undecided"
