@@ -4,7 +4,6 @@ import hashlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from neol.errors import UserError
 from neol.files import read_bounded
@@ -16,24 +15,32 @@ MAX_BYTES = 2**27
 def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
     """Lines that say what made an output: command, commit, budget, and each record and its runs.
 
-    A record that has changed since, or is not there, is marked. Raises UserError where the JSON
-    file beside the output is missing or damaged.
+    The files made together come first. One of them or a record that has changed since, or is not
+    there, is marked. Raises UserError where there is no such output, or the JSON file beside it is
+    missing or damaged.
     """
+    if not output.is_file():
+        raise UserError(f"{output}: there is no such file")
+    if output.suffix == ".parquet":
+        raise UserError(f"{output}: a record, not made from others; ask neol digest for its runs")
     path = output.with_suffix(".json")
     if not path.exists():
         raise UserError(f"{output}: has no {path.name} beside it, so nothing is known of it")
     try:
         sidecar = json.loads(read_bounded(path, MAX_BYTES))
         records = sidecar["records"]
+        if output.name not in (*sidecar["outputs"], path.name):
+            raise UserError(f"{output}: not one of the files that {path.name} is about")
         dirty = ", with changes that were not committed" if sidecar["dirty"] else ""
-        yield f"{output.name}"
+        for name, sha256 in sidecar["outputs"].items():
+            yield f"{name}{_state(path.with_name(name), sha256)}"
         yield f"made by  {sidecar['command']}"
         yield f"commit   {sidecar['commit'] or 'unknown'}{dirty}"
         yield f"budget   {sidecar['budget']}, configuration {sidecar['configuration'][:16]}"
         yield f"records  {len(records)}, of {sum(len(each['runs']) for each in records)} runs"
         for record in records:
             yield ""
-            yield f"{record['path']}{_state(record, root)}"
+            yield f"{record['path']}{_state(root / record['path'], record['sha256'])}"
             yield f"  sha256 {record['sha256']}"
             yield f"  spec   {record['spec']}"
             yield from (f"  seed {seed}: {digest}" for seed, digest in record["runs"].items())
@@ -41,10 +48,9 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
         raise UserError(f"{path}: damaged, or not made by this project") from None
 
 
-def _state(record: dict[str, Any], root: Path) -> str:
-    """What has become of a record since."""
-    path = root / record["path"]
+def _state(path: Path, sha256: str) -> str:
+    """What has become of a file since."""
     if not path.is_file():
         return "  (not here)"
-    same = hashlib.sha256(path.read_bytes()).hexdigest() == record["sha256"]
+    same = hashlib.sha256(path.read_bytes()).hexdigest() == sha256
     return "" if same else "  (changed since)"

@@ -23,11 +23,19 @@ def table(tmp_path: Path) -> Path:
 
 def test_a_table_is_traced_to_its_runs(table: Path) -> None:
     lines = list(trace(table, table.parent.parent))
-    assert lines[0] == "table3.tex"
-    assert lines[1].endswith("figures/table3.tex --config budget=smoke")
+    assert lines[:2] == ["table3.tex", "table3.csv"]
+    assert lines[2].endswith("figures/table3.tex --config budget=smoke")
     assert "records  14, of 42 runs" in lines
     assert sum(line.startswith("  seed ") for line in lines) == 42
     assert "results/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines
+
+
+def test_what_has_become_of_an_output_is_said(table: Path) -> None:
+    table.write_text("edited by hand")
+    assert list(trace(table, table.parent.parent))[:2] == [
+        "table3.tex  (changed since)",
+        "table3.csv",
+    ]
 
 
 def test_what_has_become_of_a_record_is_said(table: Path) -> None:
@@ -39,8 +47,18 @@ def test_what_has_become_of_a_record_is_said(table: Path) -> None:
 
 
 def test_what_cannot_be_traced_is_said_in_one_line(table: Path) -> None:
-    with pytest.raises(UserError, match=r"nothing\.tex: has no nothing\.json beside it"):
-        list(trace(table.with_name("nothing.tex")))
+    folder = table.parent
+    for name in ("nothing.tex", "table3.log", "run.parquet"):
+        (folder / name).touch()
+    for name, line in (
+        ("none.tex", "none.tex: there is no such file"),
+        ("table3.pdf", "table3.pdf: there is no such file"),
+        ("nothing.tex", "nothing.tex: has no nothing.json beside it"),
+        ("table3.log", "table3.log: not one of the files that table3.json is about"),
+        ("run.parquet", "run.parquet: a record, .* neol digest"),
+    ):
+        with pytest.raises(UserError, match=line):
+            list(trace(folder / name))
     table.with_suffix(".json").write_text('{"records": 3}')
     with pytest.raises(UserError, match=r"table3\.json: damaged"):
         list(trace(table))

@@ -29,12 +29,11 @@ class Drawing:
 
     def write(self, folder: Path) -> None:
         """Write name.pdf, name.png, name.json (where it comes from) and, with a frame, name.csv."""
-        path = folder / f"{self.name}.pdf"
-        save(self.figure, path)
+        outputs = save(self.figure, folder / f"{self.name}.pdf")
         if self.frame is not None:
-            csv = self.frame.to_csv(index=False)
-            write_atomically(path.with_suffix(".csv"), csv.encode())
-        write_sidecar(path, self.configuration, self.sources)
+            outputs.append(folder / f"{self.name}.csv")
+            write_atomically(outputs[-1], self.frame.to_csv(index=False).encode())
+        write_sidecar(outputs, self.configuration, self.sources)
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()

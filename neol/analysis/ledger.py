@@ -154,9 +154,13 @@ def write_ledger(folder: Path, decisions: Sequence[Decision], campaign: Campaign
     """Write claims.tex, claims.csv (each part, full precision), claims.md and claims.json."""
     folder.mkdir(parents=True, exist_ok=True)
     budget = describe_budget(campaign.configuration)
-    path = folder / "claims.tex"
-    write_atomically(path, f"{as_latex(decisions, budget)}\n".encode())
-    write_atomically(path.with_suffix(".csv"), as_table(decisions).to_csv(index=False).encode())
-    write_atomically(path.with_suffix(".md"), as_markdown(decisions, budget).encode())
+    contents = {
+        "tex": f"{as_latex(decisions, budget)}\n",
+        "csv": as_table(decisions).to_csv(index=False),
+        "md": as_markdown(decisions, budget),
+    }
+    outputs = [folder / f"claims.{kind}" for kind in contents]
+    for path, content in zip(outputs, contents.values(), strict=True):
+        write_atomically(path, content.encode())
     sources = campaign.sources(cells(campaign.configuration))
-    write_sidecar(path, campaign.configuration, sources)
+    write_sidecar(outputs, campaign.configuration, sources)

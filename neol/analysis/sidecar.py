@@ -3,7 +3,7 @@
 import hashlib
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -19,19 +19,21 @@ def command(output: Path, configuration: Configuration) -> str:
     return f"snakemake {path} --config budget={configuration.budget.name}"
 
 
-def write_sidecar(output: Path, configuration: Configuration, sources: Iterable[Source]) -> None:
-    """Write figures/table1.json for figures/table1.tex.
+def write_sidecar(
+    outputs: Sequence[Path], configuration: Configuration, sources: Iterable[Source]
+) -> None:
+    """Write figures/table1.json for figures/table1.tex and its table1.csv, which are there already.
 
-    Its keys: `output`; `command` that makes it; `commit` and whether the checkout was `dirty`;
-    `budget`; `configuration` (SHA-256 of the resolved configuration as canonical JSON);
-    `records`, each with `path`, `sha256` of the file, `spec` (the specification's digest) and
-    `runs` (trajectory digest by seed).
+    Its keys: `outputs` (SHA-256 by name); `command` that makes them; `commit` and whether the
+    checkout was `dirty`; `budget`; `configuration` (SHA-256 of the resolved configuration as
+    canonical JSON); `records`, each with `path`, `sha256` of the file, `spec` (the specification's
+    digest) and `runs` (trajectory digest by seed).
     """
     resolved = json.dumps(configuration.model_dump(mode="json"), sort_keys=True)
     made_by = provenance()
     content = {
-        "output": output.name,
-        "command": command(output, configuration),
+        "outputs": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in outputs},
+        "command": command(outputs[0], configuration),
         "commit": made_by.commit,
         "dirty": made_by.dirty,
         "budget": configuration.budget.name,
@@ -39,4 +41,4 @@ def write_sidecar(output: Path, configuration: Configuration, sources: Iterable[
         "records": [asdict(source) for source in sources],
     }
     text = json.dumps(content, indent=1) + "\n"
-    write_atomically(output.with_suffix(".json"), text.encode())
+    write_atomically(outputs[0].with_suffix(".json"), text.encode())

@@ -20,7 +20,7 @@ from neol.files import write_atomically
 WIDTH = 7.2
 """Inches: a page's text width."""
 GREY = "0.35"
-COLOUR_MAP = "cividis"
+COLOUR_MAP = mpl.colormaps["cividis"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +78,11 @@ def footer(figure: Figure, text: str) -> None:
     figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=6.5, color=GREY)
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write path.pdf and path.png, the same bytes for the same picture: without date or version."""
+def save(figure: Figure, path: Path) -> list[Path]:
+    """Write path.pdf and path.png, the same bytes for the same picture: without date or version.
+
+    Returns the two.
+    """
     metadata = {
         "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
         "png": {"Software": None},
@@ -90,3 +93,4 @@ def save(figure: Figure, path: Path) -> None:
             buffer = io.BytesIO()
             figure.savefig(buffer, format=kind, metadata=entries)
             write_atomically(path.with_suffix(f".{kind}"), buffer.getvalue())
+    return [path.with_suffix(f".{kind}") for kind in metadata]

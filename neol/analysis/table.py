@@ -57,13 +57,13 @@ class Table:
     def write(self, folder: Path) -> None:
         """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""
         folder.mkdir(parents=True, exist_ok=True)
-        path = folder / f"{self.name}.tex"
+        path, csv = folder / f"{self.name}.tex", folder / f"{self.name}.csv"
         made_by = (
             f"% Made by `{command(path, self.configuration)}` from what {self.name}.json lists."
         )
         write_atomically(path, f"{made_by}\n{self.latex()}\n".encode())
-        write_atomically(path.with_suffix(".csv"), self.frame.to_csv(index=False).encode())
-        write_sidecar(path, self.configuration, self.sources)
+        write_atomically(csv, self.frame.to_csv(index=False).encode())
+        write_sidecar([path, csv], self.configuration, self.sources)
 
     def latex(self) -> str:
         """A table for \\input, numbered as in the paper; it needs the package booktabs."""
