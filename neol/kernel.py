@@ -4,6 +4,7 @@ import contextlib
 import hashlib
 import os
 import shutil
+import stat
 import tempfile
 import time
 from collections.abc import Callable
@@ -45,7 +46,8 @@ def _cache_folder() -> Path:
 
     Numba asks only whether the file of a cached kernel has changed, not the files of the
     kernels that it calls; a folder for each state of the sources makes a stale kernel impossible.
-    Where the user's cache cannot be written, one in the system's temporary folder serves.
+    Where the user's cache cannot be written, one in the system's temporary folder serves. Only a
+    folder that nobody else can write does: numba unpickles what it finds in it.
     """
     default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "neol"
     temporary = Path(tempfile.gettempdir(), f"neol-{os.getuid()}")
@@ -53,10 +55,17 @@ def _cache_folder() -> Path:
         folder = base / f"kernels-{source_digest()}"
         with contextlib.suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            os.utime(folder)  # fails where the folder is somebody else's
-            _remove_unused(base)
-            return folder
+            if _only_ours(folder):
+                os.utime(folder)  # in use now; fails where nothing can be written
+                _remove_unused(base)
+                return folder
     return Path(tempfile.mkdtemp(prefix="neol-kernels-"))
+
+
+def _only_ours(folder: Path) -> bool:
+    """Whether it and the folder around it are this user's, and nobody else may write in it."""
+    owners = {path.lstat().st_uid for path in (folder, folder.parent)}
+    return owners == {os.getuid()} and not folder.lstat().st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
 def _remove_unused(base: Path) -> None:

@@ -3,10 +3,13 @@
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
-from neol.kernel import UNUSED_SECONDS, kernel, source_digest
+import pytest
+
+from neol.kernel import UNUSED_SECONDS, _cache_folder, kernel, source_digest
 
 COMPILE = (
     "import numba; from neol.plasticity import hebb; hebb(1.0, 2.0); print(numba.config.CACHE_DIR)"
@@ -38,6 +41,31 @@ def test_a_cache_that_cannot_be_written_is_made_elsewhere_and_found_again(tmp_pa
         cache_of_a_process(NUMBA_CACHE_DIR=str(blocked), TMPDIR=str(tmp_path)) for _ in range(2)
     }
     assert places == {tmp_path / f"neol-{os.getuid()}" / f"kernels-{source_digest()}"}
+
+
+@pytest.mark.parametrize("mode", [0o720, 0o702])
+def test_a_cache_that_others_can_write_is_not_read(
+    mode: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    temporary = tmp_path / f"neol-{os.getuid()}" / f"kernels-{source_digest()}"
+    for base in (tmp_path, temporary.parent):
+        folder = base / temporary.name
+        folder.mkdir(parents=True)
+        folder.chmod(mode)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert _cache_folder().name.startswith("neol-kernels-")
+    temporary.chmod(0o700)
+    assert _cache_folder() == temporary
+
+
+def test_a_cache_of_another_user_is_not_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
+    assert _cache_folder().name.startswith("neol-kernels-")
 
 
 def test_long_unused_caches_are_removed(tmp_path: Path) -> None:
