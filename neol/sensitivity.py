@@ -6,7 +6,7 @@ already are left as they are. config/sensitivity/variants.yaml lists the variant
 
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -99,9 +99,23 @@ def run(configuration: Configuration, name: str) -> Iterator[Trial]:
         yield trial
 
 
-if __name__ == "__main__":
+def main(arguments: Sequence[str]) -> int:
+    """Run the command line; returns its exit code."""
+    if len(arguments) != 2:
+        print("neol: usage: python -m neol.sensitivity BUDGET VARIANT", file=sys.stderr)
+        return 2
+    budget, variant = arguments
     try:
-        for done in run(load_configuration(sys.argv[1]), sys.argv[2]):
+        for done in run(load_configuration(budget), variant):
             print(done.record)
     except UserError as error:
-        sys.exit(f"neol: {error}")
+        print(f"neol: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("neol: interrupted: the same command goes on from there", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
