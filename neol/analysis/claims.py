@@ -6,9 +6,9 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
   the one-sided rank-sum test has p < 0.05.
 - contradicted: the interval lies at or below 0, the test is significant the other way round. As
   one part suffices to contradict a claim, these use 0.05 divided by the number of parts.
-- undecided otherwise, and where a cell is not in the budget, lacks seeds, or has fewer than 5. A
-  claim of no significant difference is about the two-sided test, and no fewer seeds than the
-  paper's 30 bear it out.
+- undecided otherwise, and where a cell is not in the budget, lacks seeds (or one does that it was
+  chosen among), or has fewer than 5. A claim of no significant difference is about the two-sided
+  test, and no fewer seeds than the paper's 30 bear it out.
 """
 
 import json
@@ -35,6 +35,7 @@ CLAIMS = ROOT / "paper" / "claims.yaml"
 ALPHA = 0.05
 LEAST_SEEDS = 5
 PAPER_SEEDS = 30
+SEEDS_MISSING = "seeds are missing"
 
 Test = Annotated[
     Compare | Significant | Rank | Gain | Level | Share | Trend | Peak | Sensitivity,
@@ -137,8 +138,9 @@ def decide(claim: Claim, outcomes: Outcomes, *, seed: int = 0) -> Decision:
 
 def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: float) -> Finding:
     cells = [cell for cell in part.cells if cell is not None]
+    missing = any(outcomes.missing(cell) for cell in (*cells, *part.among))
     if len(cells) < len(part.cells):
-        return Finding(part, "undecided", "not in this budget")
+        return Finding(part, "undecided", SEEDS_MISSING if missing else "not in this budget")
     samples = [outcomes.values(cell, part.metric) for cell in cells]
     seeds = min(map(len, samples))
     if any(np.isnan(sample).any() for sample in samples):
@@ -162,8 +164,8 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         right, wrong = p >= ALPHA and seeds >= PAPER_SEEDS, p < alpha
     verdict: Verdict = "supported" if right else "contradicted" if wrong else "undecided"
     reason = ""
-    if any(outcomes.missing(cell) for cell in cells):
-        verdict, reason = "undecided", "seeds are missing"
+    if missing:
+        verdict, reason = "undecided", SEEDS_MISSING
     elif seeds < LEAST_SEEDS:
         verdict, reason = "undecided", f"fewer than {LEAST_SEEDS} seeds"
     elif wrong and part.grows and outcomes.generations < PAPER_GENERATIONS:

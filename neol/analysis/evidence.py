@@ -45,6 +45,8 @@ class Part:
     metric: Metric
     effect: Effect
     """Of the cells' values, in their order; greater than 0 if the claim is right."""
+    among: tuple[Cell, ...] = ()
+    """What the cells were chosen among: a seed that is missing there could change the choice."""
     at_least: bool = False
     """Whether an effect of exactly 0 bears the claim out as well."""
     rule: Literal["interval", "significance", "no significance"] = "interval"
@@ -70,9 +72,9 @@ class Compare(Model):
         effect = signed(DIFFERENCES[self.statistic], self.direction)
         unit = "share of runs" if self.statistic == "low_outliers" else METRICS[self.metric]
         for task, method in product(self.tasks, self.methods):
-            cells = _pair(outcomes, self.setting, task, method, self.against)
+            cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             label = f"{task}: {self.statistic} of {method} {self.direction} than {self.against}"
-            yield Part(label, unit, cells, self.metric, effect)
+            yield Part(label, unit, cells, self.metric, effect, among)
 
 
 class Significant(Model):
@@ -89,12 +91,14 @@ class Significant(Model):
         """One for each task and method."""
         negated = self.kind == "not_significant"
         for task, method in product(self.tasks, self.methods):
+            cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             yield Part(
                 label=f"{task}: {method} over {self.against} {self.kind.replace('_', ' ')}",
                 unit="A12 - 0.5",
-                cells=_pair(outcomes, self.setting, task, method, self.against),
+                cells=cells,
                 metric=self.metric,
                 effect=lambda sample, against: superiority(sample, against) - 0.5,
+                among=among,
                 rule="no significance" if negated else "significance",
             )
 
@@ -119,14 +123,11 @@ class Rank(Model):
 
         others = [method for method in self.among if method != self.method]
         for task in self.tasks:
-            cells = tuple(
-                outcomes.chosen(self.setting, task, each) for each in (self.method, *others)
-            )
+            cells, among = chosen(outcomes, self.setting, task, (self.method, *others))
             label = f"{task}: {self.method} among the best {self.at_most}"
-            tie = (
-                self.at_most > 1
-            )  # who shares the first place is second at least, but does not lead
-            yield Part(label, METRICS[self.metric], cells, self.metric, lead, at_least=tie)
+            # Who shares the first place is second at least, but does not lead.
+            tie = self.at_most > 1
+            yield Part(label, METRICS[self.metric], cells, self.metric, lead, among, at_least=tie)
 
 
 class Gain(Model):
@@ -155,20 +156,24 @@ class Gain(Model):
             return gain(samples[:split]) - gain(samples[split:])
 
         for method in self.methods:
-            cells = [
-                cell
+            pairs = [
+                chosen(outcomes, self.setting, task, (method, self.against))
                 for task in (*self.tasks, *self.than_tasks)
-                for cell in _pair(outcomes, self.setting, task, method, self.against)
             ]
+            cells = tuple(cell for pair, _ in pairs for cell in pair)
+            among = tuple(cell for _, candidates in pairs for cell in candidates)
             tasks, others = ", ".join(self.tasks), ", ".join(self.than_tasks)
             label = f"{method}: gain on {tasks} over that on {others}"
-            yield Part(label, "relative gain", tuple(cells), self.metric, difference)
+            yield Part(label, "relative gain", cells, self.metric, difference, among)
 
 
-def _pair(
-    outcomes: Outcomes, setting: Setting, task: str, method: str, against: str
-) -> tuple[Cell | None, Cell | None]:
-    return outcomes.chosen(setting, task, method), outcomes.chosen(setting, task, against)
+def chosen(
+    outcomes: Outcomes, setting: Setting, task: str, methods: Sequence[str]
+) -> tuple[tuple[Cell | None, ...], tuple[Cell, ...]]:
+    """The cells that stand for some methods on a task, and all that they were chosen among."""
+    among = [outcomes.candidates[setting].get((task, method), []) for method in methods]
+    cells = tuple(outcomes.chosen(setting, task, method) for method in methods)
+    return cells, tuple(cell for some in among for cell in some)
 
 
 def signed(effect: Effect, direction: Literal["higher", "lower"]) -> Effect:

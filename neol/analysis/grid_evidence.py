@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from neol.analysis.evidence import Methods, Metric, Part, Setting, signed
+from neol.analysis.evidence import Methods, Metric, Part, Setting, chosen, signed
 from neol.analysis.outcomes import METRICS, Floats, Outcomes
 from neol.analysis.statistics import superiority
 from neol.campaign import Cell
@@ -55,11 +55,11 @@ class Level(Model):
             return np.asarray((sample.mean(axis=-1) - self.level) * (1 if reach else -1))
 
         for task, method in product(self.tasks, self.methods):
-            cells: list[Cell | None] = (
-                [outcomes.chosen(self.setting, task, method)]
-                if self.setting
-                else list(self.where.of(outcomes.grid(task, [method]))) or [None]
-            )
+            cells: Sequence[Cell | None]
+            if self.setting:
+                cells, among = chosen(outcomes, self.setting, task, [method])
+            else:
+                cells, among = self.where.of(outcomes.grid(task, [method])) or [None], ()
             for cell in cells:
                 bound = self.bound.replace("_", " ")
                 yield Part(
@@ -68,6 +68,7 @@ class Level(Model):
                     cells=(cell,),
                     metric=self.metric,
                     effect=distance,
+                    among=among,
                     at_least=reach,
                     grows=reach,
                 )

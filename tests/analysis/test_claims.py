@@ -131,6 +131,25 @@ class TestWhatCannotBeDecided:
         assert (finding.verdict, finding.reason) == ("undecided", "seeds are missing")
         assert finding.effect == pytest.approx(10 + 2 / 7 - 5)
 
+    def test_a_candidate_that_lacks_seeds_could_have_been_chosen(self) -> None:
+        values = {
+            cell("bcm"): around(10),
+            cell("bcm", rate=0.2): around(99)[1:],
+            cell("neat"): around(5),
+        }
+        tests = (
+            HIGHER,
+            {"kind": "significant", "methods": ["bcm"], "against": "neat"},
+            {"kind": "rank", "at_most": 1, "method": "bcm", "among": ["bcm", "neat"]},
+            {"kind": "level", "bound": "at_least", "level": 1, "methods": ["bcm"]}
+            | {"setting": "table3"},
+        )
+        for test in tests:
+            (finding,) = decision(values, **test).findings
+            assert (finding.verdict, finding.reason) == ("undecided", "seeds are missing")
+        values[cell("bcm")] = around(10)[1:]  # now none is complete, so none is chosen
+        assert decision(values, **HIGHER).findings[0].reason == "seeds are missing"
+
     @pytest.mark.parametrize("seeds", [0, 1, 2, 4])
     def test_too_few_seeds(self, seeds: int) -> None:
         values = {cell("bcm"): around(10)[:seeds], cell("neat"): around(5)[:seeds]}
