@@ -57,7 +57,7 @@ PositiveInt = Annotated[int, Field(ge=1)]
 NonNegativeInt = Annotated[int, Field(ge=0)]
 PositiveFloat = Annotated[float, Field(gt=0)]
 NonNegativeFloat = Annotated[float, Field(ge=0)]
-Population = Annotated[int, Field(ge=2)]
+Population = Annotated[int, Field(ge=2, le=100_000)]  # a slip of the hand would fill the memory
 Text = Annotated[str, Field(min_length=1)]
 Several = Annotated[
     tuple[Item, ...],

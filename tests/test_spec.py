@@ -135,6 +135,7 @@ def test_any_gymnasium_environment_is_a_task():
         ),
         ({"population": 0}, "population = 0: must be greater than or equal to 2"),
         ({"population": 1}, "population = 1: must be greater than or equal to 2"),
+        ({"population": 10**20}, "population = 100000000000000000000: must be less than or"),
         ({"population": 2.5}, "population = 2.5: must be a valid integer"),
         ({"generations": 0}, "generations = 0: must be greater than or equal to 1"),
         ({"seed": -1}, "seed = -1: must be greater than or equal to 0"),
