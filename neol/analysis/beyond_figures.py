@@ -14,6 +14,8 @@ from neol.analysis.labels import METHODS, task_label
 from neol.analysis.style import GREY, STYLES, WIDTH, drawing, footer
 from neol.sensitivity import BASELINE
 
+GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
+"""Behind words that lines run through."""
 METRIC_LABELS = {
     "score": "SCORE",
     "equal_evaluations": "Best so far,\nequal evaluations",
@@ -140,8 +142,11 @@ def selection(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
     return figure
 
 
-def sensitivity(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
-    """A12 of each variant against the baseline, with its interval; one column for each task."""
+def sensitivity(table: pd.DataFrame, tasks: Sequence[str], seeds: int, note: str) -> Figure:
+    """A12 of each variant against the baseline, with its interval; one column for each task.
+
+    A trial that lacks some of its `seeds` says how many it has.
+    """
     with drawing():
         names = [name for name in dict.fromkeys(table["variant"]) if name != BASELINE]
         figure = Figure(figsize=(WIDTH, 0.24 * len(names) + 1.1))
@@ -149,10 +154,13 @@ def sensitivity(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
         for axis, task in zip(axes, tasks, strict=True):
             axis.axvline(0.5, color=GREY, linewidth=0.7)
             axis.set_title(task_label(task))
-            for row in table[table["task"] == task].to_dict("records"):
-                if row["variant"] != BASELINE:
-                    shift = -0.15 if row["method"] == "neat" else 0.15
-                    _interval(axis, shift - names.index(row["variant"]), row, "a12")
+            here = table[table["task"] == task]
+            for row in here[here["variant"] != BASELINE].to_dict("records"):
+                place = (-0.15 if row["method"] == "neat" else 0.15) - names.index(row["variant"])
+                _interval(axis, place, row, "a12")
+                if row["seeds"] < seeds:
+                    there = f"{row['seeds']}/{seeds}"
+                    axis.text(0, place, there, size=5, va="center", color=GREY, bbox=GROUND)
             axis.set_xlim(-0.04, 1.04)
             axis.xaxis.set_major_locator(FixedLocator([0, 0.5, 1]))
             axis.tick_params(axis="y", length=0)
@@ -166,7 +174,10 @@ def sensitivity(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
         ]
         labels = [METHODS[method] for method in _methods(table)]
         figure.legend(handles, labels, loc="outside upper center", ncols=5)
-        footer(figure, f"{note} Lines: 95% intervals (bootstrap).")
+        lacking = int((table["seeds"] < seeds).sum())
+        warning = [f"Seeds are missing: {lacking} of {len(table)} trials are incomplete."]
+        lines = [f"{note} Lines: 95% intervals (bootstrap).", *(warning if lacking else [])]
+        footer(figure, "\n".join(lines))
     return figure
 
 

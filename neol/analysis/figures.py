@@ -4,7 +4,7 @@
 seed, and its outcomes. `curves` has a row for each generation of a run.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,16 +24,24 @@ Floats = npt.NDArray[np.float64]
 
 
 def convergence(
-    curves: pd.DataFrame, *, tasks: Sequence[str], methods: Sequence[str], seeds: int, note: str
+    curves: pd.DataFrame,
+    *,
+    tasks: Sequence[str],
+    methods: Sequence[str],
+    seeds: int,
+    note: str,
+    incomplete: Mapping[tuple[str, str], str],
 ) -> Figure:
     """Figures 2 and 3: best fitness over generations, and boxplots of the final one.
 
     One cell for each task and method; the lines are means over seeds with Student's 95% interval.
+    `incomplete` says of a task and method what its cell's choice lacked; whoever lacks something
+    has a star, and the note says what.
     """
     with drawing():
         figure = Figure(figsize=(WIDTH, 1.55 * WIDTH / max(len(tasks), 3) + 1.3))
         axes = figure.subplots(2, len(tasks), squeeze=False)
-        missing = []
+        reasons = dict(incomplete)
         for column, task in enumerate(tasks):
             here = curves[curves["task"] == task]
             top, bottom = axes[:, column]
@@ -44,10 +52,11 @@ def convergence(
                     index="generation", columns="seed", values="best_fitness"
                 )
                 if table.shape[1] < seeds:
-                    missing.append(_missing(method, task, table.shape[1], seeds))
+                    reasons[task, method] = f"{table.shape[1]} of {seeds} seeds"
                 samples[method] = table.ffill().iloc[-1].to_numpy() if len(table) else np.array([])
                 _curve(top, method, table.dropna())
-            _boxes(bottom, samples, seeds)
+            starred = {method for where, method in reasons if where == task}
+            _boxes(bottom, samples, starred)
             top.set_xlabel("Generation")
             top.xaxis.set_major_locator(MaxNLocator(4, integer=True))
         axes[0, 0].set_ylabel("Best fitness (return)")
@@ -59,7 +68,7 @@ def convergence(
             "Lines: means over seeds, bands: their 95% intervals. Boxes: quartiles, whiskers to "
             "1.5 interquartile ranges; dots: single seeds."
         )
-        footer(figure, "\n".join([f"{note} {explanation}", *_listed(missing)]))
+        footer(figure, "\n".join([f"{note} {explanation}", *_listed(reasons)]))
     return figure
 
 
@@ -142,7 +151,7 @@ def _spaced(points: int, method: int, markers: int = 5) -> list[int]:
     return [int(step * (marker + (method + 0.5) / len(STYLES))) for marker in range(markers)]
 
 
-def _boxes(axis: Axes, samples: Mapping[str, Floats], seeds: int) -> None:
+def _boxes(axis: Axes, samples: Mapping[str, Floats], starred: Collection[str]) -> None:
     for position, (method, values) in enumerate(samples.items()):
         style = STYLES[method]
         if not len(values):
@@ -164,8 +173,8 @@ def _boxes(axis: Axes, samples: Mapping[str, Floats], seeds: int) -> None:
         axis.scatter(position + spread, values, s=6, marker=style.marker, facecolor=style.colour,
                      edgecolor="black", linewidth=0.25, alpha=0.85, zorder=3)  # fmt: skip
     labels = [
-        METHODS[method].replace(" (", "\n(") + ("*" if len(values) < seeds else "")
-        for method, values in samples.items()
+        METHODS[method].replace(" (", "\n(") + ("*" if method in starred else "")
+        for method in samples
     ]
     axis.set_xticks(range(len(samples)), labels)
     axis.set_xlim(-0.6, len(samples) - 0.4)
@@ -205,11 +214,13 @@ def _write_cells(axis: Axes, mean: Floats, count: Floats, seeds: int, scale: Nor
         text = _number(value) if there else "no runs"
         if 0 < there < seeds:
             text += f"\n{there}/{seeds}"
-        axis.text(
+        label = axis.text(
             column, row, text, ha="center", va="center", fontsize=6.5, color=ink, linespacing=1
         )
         if there < seeds:
-            axis.add_patch(_frame(row, column, 0.5, hatch="////", edgecolor=GREY, alpha=0.6))
+            ground = COLOUR_MAP(scale(value)) if there else "white"
+            label.set_bbox({"facecolor": ground, "edgecolor": "none", "pad": 0.6})
+            axis.add_patch(_frame(row, column, 0.5, hatch="////", edgecolor=ink, linewidth=0.8))
         if highest[row, column] and highest.sum() == 1:
             axis.add_patch(_frame(row, column, 0.465, edgecolor=ink, linewidth=1.1))
 
@@ -238,9 +249,9 @@ def _tint(colour: str) -> tuple[float, float, float, float]:
     return (0.3 * red + 0.7, 0.3 * green + 0.7, 0.3 * blue + 0.7, 1.0)
 
 
-def _missing(method: str, task: str, there: int, seeds: int) -> str:
-    return f"{METHODS[method]} on {task_label(task)}: {there} of {seeds} seeds"
-
-
-def _listed(missing: Sequence[str]) -> list[str]:
-    return [f"* {'; '.join(missing)}."] if missing else []
+def _listed(reasons: Mapping[tuple[str, str], str]) -> list[str]:
+    """What is incomplete: by task and method, why."""
+    said = [
+        f"{METHODS[method]} on {task_label(task)}: {why}" for (task, method), why in reasons.items()
+    ]
+    return [f"* {'; '.join(said)}."] if said else []

@@ -53,11 +53,13 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
 def _convergence(name: str, campaign: Campaign, setting: str) -> Drawing:
     configuration = campaign.configuration
     methods = SETTINGS[setting].methods
-    chosen = []
+    chosen, incomplete = [], {}
     for (task, method), among in candidates(configuration, setting).items():
         here = summarise(campaign, among, setting)
         if here.population is not None:
             chosen.append(Cell(task, method, here.population, here.learning_rate))
+        if here.incomplete:
+            incomplete[task, method] = here.incomplete
     curves = [
         campaign.runs(cell).rows.assign(task=cell.task, method=cell.method) for cell in chosen
     ]
@@ -69,6 +71,7 @@ def _convergence(name: str, campaign: Campaign, setting: str) -> Drawing:
         seeds=configuration.budget.seeds,
         note=f"Configurations of Table {SETTINGS[setting].paper_table}. "
         f"{describe_budget(configuration)}",
+        incomplete=incomplete,
     )
     considered = [cell for among in candidates(configuration, setting).values() for cell in among]
     return Drawing(name, figure, configuration, campaign.sources(considered))

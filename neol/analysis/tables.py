@@ -15,7 +15,7 @@ from neol.analysis.runs import Campaign
 from neol.analysis.statistics import Floats, holm, paper_statistic, rank_sum, superiority
 from neol.analysis.summary import Comparison, OwnSummary, Summary, compare
 from neol.analysis.table import Entry, Line, Table
-from neol.campaign import Cell
+from neol.campaign import Cell, cells
 from neol.spec import Configuration, load_configuration
 
 RULES = ("bcm", "hebb", "oja")
@@ -174,6 +174,23 @@ def describe_budget(configuration: Configuration) -> str:
     return sentence if is_paper else f"{sentence} Reduced budget: not the paper's."
 
 
+def lacking(campaign: Campaign) -> str:
+    """How many of a budget's cells lack seeds, in a sentence for captions; empty where none does.
+
+    The figures that put many cells together cannot mark each, so they say this.
+    """
+    grid = cells(campaign.configuration)
+    missing = [len(campaign.runs(cell).missing) for cell in grid]
+    if not any(missing):
+        return ""
+    runs = len(grid) * campaign.configuration.budget.seeds
+    incomplete = sum(map(bool, missing))
+    return (
+        f"Seeds are missing: {incomplete} of {len(grid)} cells are incomplete, "
+        f"{sum(missing)} of {runs} runs are not there."
+    )
+
+
 def describe_samples(campaign: Campaign) -> str:
     """M of a budget's SCORE: 1e8."""
     digits, _, exponent = f"{campaign.score_samples:.3e}".partition("e")
@@ -234,7 +251,7 @@ def _table(
         frame=frame,
         configuration=configuration,
         sources=campaign.sources(
-            cell for (_, method), cells in shown.items() if method in methods for cell in cells
+            cell for (_, method), among in shown.items() if method in methods for cell in among
         ),
     )
 

@@ -1,5 +1,6 @@
 """What the figures say; how they look was judged by eye."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -39,8 +40,17 @@ def runs() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["method", "population", "learning_rate", "seed", "value"])
 
 
-def draw_curves(table: pd.DataFrame) -> Figure:
-    return convergence(table, tasks=["hopper"], methods=METHODS, seeds=3, note="Budget made up.")
+def draw_curves(
+    table: pd.DataFrame, incomplete: Mapping[tuple[str, str], str] | None = None
+) -> Figure:
+    return convergence(
+        table,
+        tasks=["hopper"],
+        methods=METHODS,
+        seeds=3,
+        note="Budget made up.",
+        incomplete=incomplete or {},
+    )
 
 
 def draw_heatmaps(table: pd.DataFrame) -> Figure:
@@ -97,6 +107,12 @@ def test_curves_that_lack_seeds_are_marked() -> None:
     assert "Budget made up." in footer(whole)
 
 
+def test_a_choice_among_fewer_cells_is_marked() -> None:
+    figure = draw_curves(curves(), {("hopper", "bcm"): "chosen among 3 of 4"})
+    assert "* BCM on Hopper: chosen among 3 of 4." in footer(figure)
+    assert [tick.get_text() for tick in figure.axes[1].get_xticklabels()] == ["BCM*", "NEAT"]
+
+
 def test_a_method_without_runs_is_said() -> None:
     figure = draw_curves(curves().query("method == 'bcm'"))
     assert texts(figure, 1) == ["no runs"]
@@ -135,6 +151,8 @@ def test_cells_that_lack_seeds_are_hatched_and_counted() -> None:
     figure = draw_heatmaps(table)
     assert texts(figure, 0) == ["59.0\n1/3", "120", "120", "no runs"]
     assert hatched(figure, 0) == 2
+    hatches = [patch for patch in figure.axes[0].patches if patch.get_hatch()]
+    assert all(patch.get_alpha() is None and patch.get_linewidth() > 0 for patch in hatches)
     assert "Hatched: 2 of 6 cells lack seeds." in footer(figure)
 
 

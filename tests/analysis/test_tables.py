@@ -13,6 +13,7 @@ from neol.analysis.runs import Campaign
 from neol.analysis.table import Table
 from neol.analysis.tables import (
     describe_budget,
+    lacking,
     lead_over_neat,
     table1,
     table2,
@@ -102,6 +103,15 @@ def test_a_missing_seed_is_marked_and_noted(
     assert table.notes[0] in table._repr_html_()
     said = "neol: cartpole/oja/p012_lr0.0025: no record of seeds 1"
     assert capsys.readouterr().err.splitlines() == [said]
+
+
+def test_what_a_budget_lacks_is_counted(campaign: Campaign, tmp_path: Path) -> None:
+    assert lacking(campaign) == ""
+    constants = configuration()
+    write_campaign(tmp_path / "fewer", constants, {BEST: [2.0, None, 9.0], SECOND: [None] * 3})
+    assert lacking(Campaign(constants, tmp_path / "fewer")) == (
+        "Seeds are missing: 2 of 16 cells are incomplete, 4 of 48 runs are not there."
+    )
 
 
 def test_no_record_at_all_prints_nothing_but_the_reasons(tmp_path: Path) -> None:

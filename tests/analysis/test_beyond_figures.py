@@ -1,0 +1,21 @@
+"""What the pictures of `beyond` say; how they look was judged by eye."""
+
+import pandas as pd
+
+from neol.analysis import beyond_figures
+
+
+def test_trials_that_lack_seeds_say_how_many_they_have() -> None:
+    rows = [
+        ("baseline", "hopper", "bcm", 3, 0.5, 0.5, 0.5),
+        ("ReLU", "hopper", "bcm", 3, 0.7, 0.4, 0.9),
+        ("sigmoid", "hopper", "bcm", 2, 0.7, 0.4, 0.9),
+        ("beta 1", "hopper", "bcm", 0, float("nan"), float("nan"), float("nan")),
+    ]
+    columns = ["variant", "task", "method", "seeds", "a12", "low", "high"]
+    table = pd.DataFrame(rows, columns=columns)
+    figure = beyond_figures.sensitivity(table, ["hopper"], seeds=3, note="Made up.")
+    assert [text.get_text() for text in figure.axes[0].texts] == ["2/3", "0/3"]
+    assert "Seeds are missing: 2 of 4 trials are incomplete." in figure.get_supxlabel()
+    whole = beyond_figures.sensitivity(table[:2], ["hopper"], seeds=3, note="Made up.")
+    assert "missing" not in whole.get_supxlabel()
