@@ -113,7 +113,7 @@ EXPECTED = {
     "cartpole-saturates": "undecided",  # far below 500, but in 3 generations
     "lunar-lander-dominance": "supported",
     "lunar-lander-bcm-320": "undecided",  # populations of 200 and 300 are not in the budget
-    "hopper-ridge": "supported",
+    "hopper-ridge": "undecided",  # the rate of 0.025 is not in the budget
     "hopper-hebb-below": "supported",
     "hopper-neat-plateaus": "contradicted",  # 90 above NEAT, not 200
     "bipedal-walker-lowest-rate": "supported",

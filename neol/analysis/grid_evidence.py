@@ -24,15 +24,12 @@ class Where(Model):
     learning_rates: tuple[Rate, ...] | None = None
 
     def of(self, cells: Sequence[Cell]) -> list[Cell]:
-        """Those of the cells that lie there."""
+        """Those of the cells that lie there; none at all where one that is named is not there."""
         sizes = _named(self.populations, [cell.population for cell in cells])
         rates = _named(self.learning_rates, [cell.learning_rate for cell in cells])
-        return [
-            cell
-            for cell in cells
-            if (sizes is None or cell.population in sizes)
-            and (rates is None or cell.learning_rate in rates)
-        ]
+        if sizes is None or rates is None:
+            return []
+        return [cell for cell in cells if cell.population in sizes and cell.learning_rate in rates]
 
 
 class Level(Model):
@@ -163,6 +160,8 @@ class Peak(Model):
     against: Methods | None = None
     """The others: all cells of these methods; otherwise the method's own outside of `where`."""
     margin: float = 0.0
+    intermediate: bool = False
+    """Whether the method must have learning rates both below and above those of `where`."""
 
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
         """One for each task and method."""
@@ -179,7 +178,8 @@ class Peak(Model):
                 ]
                 return np.asarray(highest[0] - highest[1] - self.margin)
 
-            cells = (*inside, *outside) if inside and outside else (None,)
+            enclosed = not self.intermediate or _enclosed(inside, own)
+            cells = (*inside, *outside) if inside and outside and enclosed else (None,)
             label = (
                 f"{task}: the best of {_where(method, self.where)} above that of {_others(self)}"
             )
@@ -220,12 +220,23 @@ class Sensitivity(Model):
 def _named(
     names: Sequence[float | str] | None, present: Sequence[float | None]
 ) -> set[float | None] | None:
-    """The values that are meant, "smallest" and "largest" among those present."""
+    """The values that are meant, "smallest" and "largest" among those present.
+
+    None if one of them is not present. Without names all are meant.
+    """
     if names is None:
-        return None
+        return set(present)
     values = [value for value in present if value is not None]
     extremes = {"smallest": min(values, default=None), "largest": max(values, default=None)}
-    return {extremes[name] if isinstance(name, str) else name for name in names}
+    meant = {extremes[name] if isinstance(name, str) else name for name in names}
+    return meant if meant <= set(values) else None
+
+
+def _enclosed(inside: Sequence[Cell], cells: Sequence[Cell]) -> bool:
+    """Whether some cells have learning rates below and above all of those inside."""
+    rates = [cell.learning_rate or 0.0 for cell in cells]
+    within = [cell.learning_rate or 0.0 for cell in inside]
+    return bool(within) and min(rates) < min(within) and max(rates) > max(within)
 
 
 def _by_population(cells: Iterable[Cell]) -> list[list[Cell]]:

@@ -264,7 +264,9 @@ class TestLevel:
         assert verdict(self.GRID, **test, where=there) == "contradicted"
 
     def test_a_place_that_the_grid_lacks(self) -> None:
-        assert verdict(self.GRID, **self.TEST, where={"populations": [300]}) == "undecided"
+        for where in ({"populations": [300]}, {"populations": [6, 300]}, {"learning_rates": [0.3]}):
+            (finding,) = decision(self.GRID, **self.TEST, where=where).findings
+            assert (finding.verdict, finding.reason) == ("undecided", "not in this budget")
 
 
 class TestShare:
@@ -343,6 +345,15 @@ class TestPeak:
         assert verdict(self.VALUES, **test, margin=4) == "supported"
         assert verdict(self.VALUES, **test, margin=12) == "contradicted"
 
+    def test_intermediate_rates_need_others_below_and_above(self) -> None:
+        rates = {0.1: 5, 0.2: 20, 0.3: 10}
+        values = {cell("bcm", 6, rate): around(mean) for rate, mean in rates.items()}
+        test = self.TEST | {"where": {"learning_rates": [0.2]}, "intermediate": True}
+        assert verdict(values, **test) == "supported"
+        for rate in (0.1, 0.3):
+            fewer = {each: runs for each, runs in values.items() if each.learning_rate != rate}
+            assert decision(fewer, **test).findings[0].reason == "not in this budget"
+
 
 def test_sensitivity() -> None:
     """Ranges over the rates: 10 and 20 for Hebb, 1 and 3 for BCM."""
@@ -369,7 +380,7 @@ class TestLedger:
                 for task in ("cartpole", "lunar_lander", "hopper", "bipedal_walker")
                 for method in ("bcm", "hebb", "oja", "neat", "neat_wo")
                 for p in (200, 300)
-                for rate in (2.5e-4, 2.5e-3, 2.5e-2)
+                for rate in (2.5e-4, 2.5e-3, 2.5e-2, 2.5e-1)
             }
         )
         decisions = [decide(each, everywhere) for each in claims]
