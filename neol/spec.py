@@ -7,6 +7,7 @@ which editors check these files with.
 
 import hashlib
 import json
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, cast
@@ -386,7 +387,10 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
     environment = task.removeprefix("gym:")
     try:
         registered = gymnasium.spec(environment)
-    except (gymnasium.error.Error, ModuleNotFoundError) as error:
+        if registered.max_episode_steps is None:  # as for what is gone, which making it tells
+            with warnings.catch_warnings(action="ignore"):
+                gymnasium.make(environment, disable_env_checker=True).close()
+    except (gymnasium.error.Error, ImportError) as error:
         raise UserError(f'task "{task}": {" ".join(str(error).split())}') from None
     constants = {"environment": environment, "fresh_world": True}
     if registered.max_episode_steps is not None:

@@ -128,6 +128,7 @@ def test_any_gymnasium_environment_is_a_task():
         ({"task": "hoper"}, 'unknown task "hoper", did you mean "hopper"? (allowed: cartpole, '),
         ({"task": "gym:Acrobat-v1"}, 'task "gym:Acrobat-v1": Environment `Acrobat` doesn\'t exist'),
         ({"task": "gym:Blackjack-v1"}, "gym:Blackjack-v1: Gymnasium sets it no limit of steps"),
+        ({"task": "gym:Ant-v2"}, 'task "gym:Ant-v2": The mujoco v2 and v3 based environments have'),
         ({"task": "gym:"}, 'task "gym:": Malformed environment ID'),
         (
             {"method": "heb"},
@@ -148,6 +149,12 @@ def test_any_gymnasium_environment_is_a_task():
 )
 def test_a_run_that_is_not_allowed(paper, change, expected):
     assert message(paper.run_spec, **RUN | change).startswith(expected)
+
+
+def test_an_environment_that_is_gone_is_refused_with_a_limit_too():
+    expected = 'task "gym:Ant-v2": The mujoco v2 and v3 based environments have been moved'
+    text = message(load_configuration, "paper", ["tasks.gym:Ant-v2.max_steps=9"])
+    assert text.startswith(expected)
 
 
 def test_a_species_never_needs_more_than_the_population():
