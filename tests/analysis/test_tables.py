@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from neol.analysis import reference
+from neol.analysis.labels import METHODS
 from neol.analysis.runs import Campaign
+from neol.analysis.score import PAPER_GENERATIONS, PAPER_POPULATION, PAPER_SAMPLES
 from neol.analysis.table import Table
 from neol.analysis.tables import (
     describe_budget,
@@ -98,7 +101,7 @@ def test_a_missing_seed_is_marked_and_noted(
     write_campaign(tmp_path, constants, VALUES | {BEST: [2.0, None, 9.0]})
     table = table1(Campaign(constants, tmp_path))
     assert "0.00 $\\pm$ 0.00 (a)" in row(table, "CartPole")
-    assert table.notes == ("(a) chosen among the 3 of 4 cells that are complete.",)
+    assert table.notes[0] == "(a) chosen among the 3 of 4 cells that are complete."
     assert table.notes[0] in table.latex()
     assert table.notes[0] in table._repr_html_()
     said = "neol: cartpole/oja/p012_lr0.0025: no record of seeds 1"
@@ -112,6 +115,18 @@ def test_what_a_budget_lacks_is_counted(campaign: Campaign, tmp_path: Path) -> N
     assert lacking(Campaign(constants, tmp_path / "fewer")) == (
         "Seeds are missing: 2 of 16 cells are incomplete, 4 of 48 runs are not there."
     )
+
+
+def test_the_notes_on_contradictions_say_what_the_paper_prints() -> None:
+    fitness, scores, ablation = (reference.values(table) for table in (1, 2, 8))
+    assert {fitness["cartpole", method][0] for method in METHODS if method != "neat_wo"} == {500}
+    walker = {method: fitness["bipedal_walker", method] for method in ("bcm", "oja", "neat")}
+    assert min(walker["bcm"][1], walker["oja"][1]) > walker["neat"][1]
+    assert walker["neat"][0] == 183.36
+    assert "183.36" in reference.CONTRADICTIONS[1][0]
+    assert round(0.745 * PAPER_SAMPLES / (PAPER_GENERATIONS * PAPER_POPULATION)) == 497
+    assert scores["cartpole", "neat"][0] < 0.745 < scores["cartpole", "hebb"][0]
+    assert ablation["bipedal_walker", "hebb"][0] < ablation["bipedal_walker", "neat_wo"][0]
 
 
 def test_no_record_at_all_prints_nothing_but_the_reasons(tmp_path: Path) -> None:
