@@ -237,11 +237,11 @@ def _frame(row: int, column: int, half: float, *, linewidth: float = 0, **style:
 
 
 def _number(value: float) -> str:
-    """At most four characters and a sign."""
+    """Three significant figures, of large numbers all before the point."""
     if not np.isfinite(value):
         return "–"
-    digits = 0 if abs(value) >= 100 else 1 if abs(value) >= 10 else 2 if abs(value) >= 1 else 3
-    return f"{value:.{digits}f}".replace("-", "−")
+    text = f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"
+    return text.replace("-", "−")
 
 
 def _tint(colour: str) -> tuple[float, float, float, float]:

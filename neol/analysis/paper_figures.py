@@ -12,6 +12,7 @@ from neol.analysis.tables import describe_budget, describe_samples
 from neol.campaign import Cell, cells
 
 GRID_METHODS = ("bcm", "hebb", "oja", "neat")
+_GROWS = "SCORE grows with the population by construction, so compare cells of one population size."
 
 
 def figure2(campaign: Campaign) -> Drawing:
@@ -45,7 +46,7 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
         populations=budget.populations,
         learning_rates=budget.learning_rates,
         seeds=budget.seeds,
-        note=describe_budget(configuration),
+        note=describe_budget(configuration, [task]) + (f" {_GROWS}" if metric == "score" else ""),
     )
     return Drawing(f"figure{number}", figure, configuration, campaign.sources(shown))
 

@@ -160,18 +160,25 @@ def _sample(campaign: Campaign, task: str, method: str, here: OwnSummary, settin
 # --- Common -------------------------------------------------------------------------------------
 
 
-def describe_budget(configuration: Configuration) -> str:
-    """A budget in a sentence or two, for captions."""
-    budget, episodes = configuration.budget, configuration.evaluation.episodes
-    steps = ", ".join(
-        f"{configuration.tasks[task].max_steps} ({task_label(task)})" for task in budget.tasks
-    )
+def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
+    """A budget in a sentence or two, for captions that concern some of its tasks, or all."""
+    budget = configuration.budget
     sentence = (
         f"Budget {budget.name}: G = {budget.generations} generations, {budget.seeds} seeds, "
-        f"N = {episodes} episode{'s' * (episodes > 1)} per evaluation of at most {steps} steps."
+        f"{describe_episodes(configuration, tasks)}."
     )
     is_paper = configuration == load_configuration("paper")
     return sentence if is_paper else f"{sentence} Reduced budget: not the paper's."
+
+
+def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
+    """Number and length of episodes, for captions that concern some of a budget's tasks, or all."""
+    episodes = configuration.evaluation.episodes
+    steps = ", ".join(
+        f"{configuration.tasks[task].max_steps} ({task_label(task)})"
+        for task in tasks or configuration.budget.tasks
+    )
+    return f"N = {episodes} episode{'s' * (episodes > 1)} per evaluation of at most {steps} steps"
 
 
 def lacking(campaign: Campaign) -> str:

@@ -10,7 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from neol.analysis.figures import convergence, heatmaps
+from neol.analysis.paper_figures import heatmap
+from neol.analysis.runs import Campaign
 from neol.analysis.style import STYLES, save
+from tests.analysis.made_up import configuration
 
 METHODS = ("bcm", "neat")
 
@@ -131,6 +134,19 @@ def test_cells_print_means_with_the_lowest_rate_at_the_bottom() -> None:
     assert texts(figure, 0) == ["60.0", "120", "120", "240"]
     assert texts(figure, 1) == ["1.50", "1.50"]
     assert figure.axes[0].images[0].origin == "lower"
+
+
+def test_small_means_keep_three_significant_figures() -> None:
+    table = runs().query("method == 'bcm'")
+    figure = draw_heatmaps(table.assign(value=table["value"] / 10000))
+    assert texts(figure, 0) == ["0.00600", "0.0120", "0.0120", "0.0240"]
+
+
+def test_a_heatmap_says_its_own_steps_and_what_score_rewards(tmp_path: Path) -> None:
+    campaign = Campaign(configuration(tasks=("cartpole", "hopper")), tmp_path)
+    assert "of at most 200 (CartPole) steps" in footer(heatmap(4, campaign).figure)
+    assert "by construction" not in footer(heatmap(4, campaign).figure)
+    assert "SCORE grows with the population by construction" in footer(heatmap(8, campaign).figure)
 
 
 def test_panels_share_a_scale() -> None:
