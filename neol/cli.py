@@ -135,20 +135,25 @@ def run(
 ) -> None:
     """Run one configuration with one or several seeds and write their record."""
     seeds = parse_seeds(seed)
-    options = {
-        f"tasks.{task}.max_steps": max_steps,
-        "evaluation.episodes": episodes,
-        "plasticity.reward_scale": reward_scale,
-        f"methods.{method}.weight_mutation": weight_mutation,
-        "plasticity.write_back": None if write_back is None else str(write_back).lower(),
+    constants = {
+        "--max-steps": (("tasks", task, "max_steps"), max_steps),
+        "--episodes": (("evaluation", "episodes"), episodes),
+        "--reward-scale": (("plasticity", "reward_scale"), reward_scale),
+        "--weight-mutation": (("methods", method, "weight_mutation"), weight_mutation),
+        "--write-back": (
+            ("plasticity", "write_back"),
+            None if write_back is None else str(write_back).lower(),
+        ),
     }
+    options = [
+        (option, loc, str(value)) for option, (loc, value) in constants.items() if value is not None
+    ]
 
     from neol.spec import load_configuration
 
     budget_name, overrides = budget or DEFAULT_BUDGET, overrides or []
     load_configuration(budget_name, overrides).check_names(task, method)
-    overrides += [f"{key}={value}" for key, value in options.items() if value is not None]
-    spec = load_configuration(budget_name, overrides).run_spec(
+    spec = load_configuration(budget_name, overrides, options).run_spec(
         task=task,
         method=method,
         population=population,

@@ -17,24 +17,22 @@ _PLAIN_WORDS = {
 def one_line(
     error: ValidationError,
     root: type[BaseModel],
-    source: Callable[[tuple[str, ...]], str] | None = None,
+    place: Callable[[tuple[str, ...]], str] = ".".join,
 ) -> str:
     """The first of the errors, an unknown key before what it left missing.
 
-    `source` tells where the value at a path of keys came from.
+    `place` names a path of keys so that the user finds it.
     """
     first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
     loc = tuple(str(part) for part in first["loc"] if part != "[key]")
-    key = ".".join(loc)
-    where = f"{source(loc)}: " if source else ""
     if first["type"] == "extra_forbidden":
-        return f"{where}{key}: unknown key{hint(loc[-1], _keys(root, loc[:-1]))}"
+        return f"{place(loc)}: unknown key{hint(loc[-1], _keys(root, loc[:-1]))}"
     if first["type"] == "missing":
-        return f"{where}{key}: is missing"
+        return f"{place(loc)}: is missing"
     problem = first["msg"]
     for pydantics, plain in _PLAIN_WORDS.items():
         problem = problem.replace(pydantics, plain)
-    return f"{where}{key} = {first['input']!r}: {problem}" if key else f"{where}{problem}"
+    return f"{place(loc)} = {first['input']!r}: {problem}" if loc else problem
 
 
 def _keys(root: type[BaseModel], loc: tuple[str, ...]) -> list[str]:

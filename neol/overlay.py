@@ -51,6 +51,7 @@ class Overlay:
     def __init__(self) -> None:
         self.values: dict[str, Any] = {}
         self._sources: dict[tuple[str, ...], str] = {}
+        self._options: dict[tuple[str, ...], str] = {}
 
     def add_file(self, path: Path) -> None:
         """Lay a YAML file over what is there."""
@@ -65,21 +66,32 @@ class Overlay:
         self._merge(self.values, content, name, ())
 
     def add_override(self, override: str) -> None:
-        """Lay one value over what is there, written like "neat.elitism=3"."""
+        """Lay one value over what is there, written like "neat.elitism=3" (--set)."""
         key, equals, value = override.partition("=")
         path = key.strip().split(".")
         if not (equals and all(path)):
-            raise UserError(f'override "{override}": write it as key=value, like neat.elitism=3')
-        content = _parse(value, f"override {override}")
-        for part in reversed(path):
-            content = {part: content}
-        self._merge(self.values, content, "override", ())
+            raise UserError(f'--set "{override}": write it as key=value, like neat.elitism=3')
+        self._add(tuple(path), _parse(value, f"--set {override}"), "--set")
+
+    def add_option(self, option: str, loc: tuple[str, ...], value: str) -> None:
+        """Lay the value of a command line's option over what is there."""
+        self._add(loc, _parse(value, f"{option} {value}"), option)
+        self._options[loc] = option
 
     def source(self, loc: tuple[str, ...]) -> str:
-        """Where the value at a path of keys came from: a file's name or an override."""
+        """Where the value at a path of keys came from: a file's name, --set or an option."""
         while loc and loc not in self._sources:
             loc = loc[:-1]
         return self._sources[loc]
+
+    def place(self, loc: tuple[str, ...]) -> str:
+        """What a user has to mend for the value at a path of keys: an option, or a source's key."""
+        return self._options.get(loc) or f"{self.source(loc)}: {'.'.join(loc)}"
+
+    def _add(self, loc: tuple[str, ...], content: Any, source: str) -> None:
+        for key in reversed(loc):
+            content = {key: content}
+        self._merge(self.values, content, source, ())
 
     def _merge(
         self,

@@ -326,8 +326,14 @@ def budgets() -> list[str]:
     return sorted(path.stem for path in CONFIG.glob("*.yaml") if path.stem != "base")
 
 
-def load_configuration(budget: str, overrides: Sequence[str] = ()) -> Configuration:
-    """config/base.yaml, overlaid by the budget's file, overlaid by overrides ("neat.elitism=3").
+Option = tuple[str, tuple[str, ...], str]
+"""An option of the command line, the path of keys that it stands for, and its value."""
+
+
+def load_configuration(
+    budget: str, overrides: Sequence[str] = (), options: Sequence[Option] = ()
+) -> Configuration:
+    """config/base.yaml, overlaid by the budget's file, by overrides ("neat.elitism=3"), by options.
 
     Raises UserError, in one line with file, key, value and what is allowed.
     """
@@ -338,13 +344,15 @@ def load_configuration(budget: str, overrides: Sequence[str] = ()) -> Configurat
     overlay.add_file(CONFIG / f"{budget}.yaml")
     for override in overrides:
         overlay.add_override(override)
+    for option, loc, value in options:
+        overlay.add_option(option, loc, value)
     _name(overlay, ("budget",), budget)
     for task in overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ():
         _name(overlay, ("tasks", task), task)
     try:
         configuration = Configuration.model_validate_json(json.dumps(overlay.values))
     except ValidationError as error:
-        raise UserError(one_line(error, Configuration, overlay.source)) from None
+        raise UserError(one_line(error, Configuration, overlay.place)) from None
     for task in configuration.budget.tasks:
         if task not in configuration.tasks:
             source = overlay.source(("budget", "tasks"))

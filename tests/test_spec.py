@@ -214,18 +214,18 @@ def test_an_unknown_budget(budget):
     ],
 )
 def test_an_override_that_is_not_allowed(override, expected):
-    assert message(load_configuration, "smoke", [override]).startswith(f"override: {expected}")
+    assert message(load_configuration, "smoke", [override]).startswith(f"--set: {expected}")
 
 
 @pytest.mark.parametrize(
     ("override", "expected"),
     [
-        ("neat.elitism", 'override "neat.elitism": write it as key=value, like neat.elitism=3'),
-        ("=3", 'override "=3": write it as key=value, like neat.elitism=3'),
-        ("neat..elitism=3", 'override "neat..elitism=3": write it as key=value'),
-        ("neat.elitism=[1", "override neat.elitism=[1, line 1: expected ',' or ']'"),
-        ("neat={a: 1, a: 2}", 'override neat={a: 1, a: 2}, line 1: key "a" stands here a second'),
-        ("neat.elitism=!!python/name:os.system", "override neat.elitism=!!python/name:os.system"),
+        ("neat.elitism", '--set "neat.elitism": write it as key=value, like neat.elitism=3'),
+        ("=3", '--set "=3": write it as key=value, like neat.elitism=3'),
+        ("neat..elitism=3", '--set "neat..elitism=3": write it as key=value'),
+        ("neat.elitism=[1", "--set neat.elitism=[1, line 1: expected ',' or ']'"),
+        ("neat={a: 1, a: 2}", '--set neat={a: 1, a: 2}, line 1: key "a" stands here a second'),
+        ("neat.elitism=!!python/name:os.system", "--set neat.elitism=!!python/name:os.system"),
     ],
 )
 def test_an_override_that_cannot_be_read(override, expected):
