@@ -43,7 +43,7 @@ bench: $(READY)
 environment: $(READY)
 
 $(ENVIRONMENT): environment.lock
-	@$(PYTHON) -c 'import sys, ensurepip, venv; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null || { \
+	@$(PYTHON) -c 'import sys, ensurepip, venv; sys.exit(not (3, 11, 4) <= sys.version_info < (3, 14))' 2>/dev/null || { \
 	    echo 'neol needs Python 3.11, 3.12 or 3.13 with venv, and $(PYTHON) is not that: choose one with PYTHON=python3.12' >&2; \
 	    exit 1; }
 	@echo 'Setting up $(VENV) from environment.lock, for some minutes:'
@@ -54,7 +54,9 @@ $(ENVIRONMENT): environment.lock
 	    /^Installing collected/                      { print "  installing " n;          fflush() }'
 	@touch $@
 
-$(READY): $(ENVIRONMENT) pyproject.toml $(wildcard neol/rollout/box2d/*.?pp)
+CORE        := $(wildcard $(addprefix neol/rollout/box2d/,*.?pp stub/* *.lock build.py library.py))
+
+$(READY): $(ENVIRONMENT) pyproject.toml $(CORE)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	-@$(BIN)/python -m neol.rollout.box2d.build
 	@touch $@

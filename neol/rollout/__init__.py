@@ -1,5 +1,6 @@
 """Rollouts: networks play episodes of a task and learn in them. Knows networks, not genomes."""
 
+import sys
 from functools import partial
 from typing import Literal
 
@@ -16,13 +17,15 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
     """The engine that plays a task's episodes, spread over so many workers.
 
     `fast` is compiled and exists for the paper's tasks, `reference` runs any environment, `auto`
-    takes the fast one where it can. All return the same bits.
+    takes the fast one where it can, and says so where a missing C++ core keeps it from that. All
+    return the same bits.
     Raises UserError where `fast` is asked for and cannot be had, or the environment is unknown.
     """
     from neol.rollout.parallel import ProcessEngine, ThreadedEngine
     from neol.rollout.reference import ReferenceEngine
 
     if choice != "reference":
+        from neol.rollout.box2d.library import TASKS
         from neol.rollout.fast import fast_engine
 
         engine = fast_engine(task)
@@ -30,6 +33,9 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
             return engine if workers == 1 else ThreadedEngine(engine, workers)
         if choice == "fast":
             raise UserError(f"no fast engine for {task.environment}: {engine}; use --engine auto")
+        if task.environment in TASKS:
+            notice = f"neol: the reference engine plays {task.environment}: {engine}"
+            print(notice, file=sys.stderr)
     if workers == 1:
         return ReferenceEngine(task)
     ReferenceEngine(task).close()  # an impossible task is said here, not in a worker

@@ -121,7 +121,9 @@ class Broken(gymnasium.Env[npt.NDArray[np.float32], int]):
         return observation.astype(np.float32), reward, self.steps == 5, False, {}
 
 
-@pytest.mark.parametrize(("broken", "steps"), [("observation", 3), ("reward", 3), ("sum", 2), ("none", 5)])
+@pytest.mark.parametrize(
+    ("broken", "steps"), [("observation", 3), ("reward", 3), ("sum", 2), ("none", 5)]
+)
 def test_what_is_not_finite_fails_its_network_alone(broken: str, steps: int) -> None:
     gymnasium.register("Broken-v0", Broken, kwargs={"broken": broken})
     task = Task(name="broken", environment="Broken-v0", max_steps=9, fresh_world=False)

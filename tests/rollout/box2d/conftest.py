@@ -2,15 +2,7 @@ import ctypes
 
 import pytest
 
-from neol.rollout.box2d.build import BuildError, build, find_compiler
-from neol.rollout.box2d.library import load
-
-
-def require_compiler() -> None:
-    try:
-        find_compiler()
-    except BuildError as error:
-        pytest.skip(str(error))
+from tests.core import require_compiler, require_core
 
 
 @pytest.fixture(scope="session")
@@ -20,8 +12,4 @@ def compiler() -> None:
 
 @pytest.fixture(scope="session")
 def library() -> ctypes.CDLL:
-    require_compiler()
-    build()
-    library = load()
-    assert isinstance(library, ctypes.CDLL), library
-    return library
+    return require_core()
