@@ -6,6 +6,10 @@ import numpy.typing as npt
 from neol.neat.genome import Genome
 
 
+MAX_NODE_ID = 2**24
+"""Decoding keeps a table of ids; no run comes near so many nodes."""
+
+
 def check_genome(genome: Genome, inputs: int, outputs: int) -> None:
     """Raise ValueError, saying what is wrong, unless the genome is well-formed.
 
@@ -17,6 +21,7 @@ def check_genome(genome: Genome, inputs: int, outputs: int) -> None:
     sources = np.concatenate([np.arange(inputs), hidden])
     for what, holds in {
         "nodes are not in order": (np.diff(nodes["id"]) > 0).all(),
+        "a node id is too large": (nodes["id"] < MAX_NODE_ID).all(),
         "output nodes are missing": np.array_equal(
             nodes["id"][:outputs], np.arange(inputs, inputs + outputs)
         ),

@@ -42,6 +42,7 @@ def put(column: str, place: int, value: float) -> Callable[[Genome], None]:
     [
         (put("id", 2, 3), "nodes are not in order"),
         (put("id", 0, 1), "output nodes are missing"),
+        (put("id", 2, 2**40), "a node id is too large"),
         (put("innovation", 4, 3), "connections are not in order"),
         (put("innovation", 0, -1), "connections are not in order"),
         (put("source", 0, 5), "comes from nowhere"),
