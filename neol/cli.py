@@ -75,7 +75,7 @@ def _examples(*lines: str) -> str:
 
 Budget = Annotated[
     str | None,
-    typer.Option(help="Whose constants hold: smoke, demo, desk or paper (as base.yaml)."),
+    typer.Option(help="Whose constants hold: a file of config/, like desk."),
 ]
 Overrides = Annotated[
     list[str] | None,
@@ -101,7 +101,7 @@ def run(
         ),
     ],
     method: Annotated[str, typer.Option(help="neat, neat_wo, hebb, oja or bcm.")],
-    population: Annotated[int, typer.Option(help="P, at least 2.")],
+    population: Annotated[int, typer.Option(help="P, 2 to 100000.")],
     generations: Annotated[int, typer.Option(help="G, at least 1.")],
     output: Annotated[Path, typer.Option(help="The record: a Parquet file that does not exist.")],
     learning_rate: Annotated[
@@ -133,7 +133,7 @@ def run(
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but errors.")] = False,
 ) -> None:
-    """Run one configuration with one or several seeds and write their record."""
+    """Run a configuration with one or several seeds into a record."""
     seeds = parse_seeds(seed)
     constants = {
         "--max-steps": (("tasks", task, "max_steps"), max_steps),
@@ -194,7 +194,7 @@ def digest(record: Annotated[Path, typer.Argument(help="A record.")]) -> None:
 
 @app.command(epilog=_examples("neol trace figures/table1.tex"))
 def trace(output: Annotated[Path, typer.Argument(help="A table or figure.")]) -> None:
-    """Print what made a table or figure: command, commit, and every record and run behind it."""
+    """Print what made a table or figure: command, commit, records, runs."""
     from neol.trace import trace
 
     for line in trace(output):
@@ -235,7 +235,7 @@ def config(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
 )
 def bench(context: typer.Context) -> None:
-    """Measure every engine beside its physics, Gymnasium and a peer (needs a checkout)."""
+    """Measure every engine beside physics and a peer, in a checkout."""
     try:
         from benchmarks.run import main
     except ModuleNotFoundError as error:

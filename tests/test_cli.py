@@ -154,6 +154,12 @@ def test_help_and_version() -> None:
     assert re.fullmatch(r"neol (\d+\.\d+\.\d+|\(not installed\))\n", neol("--version").stdout)
 
 
+def test_help_cuts_no_summary(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    _, commands = neol("--help").stdout.split("Commands:\n")
+    assert "..." not in commands
+
+
 def test_help_needs_nothing_heavy() -> None:
     script = (
         "import sys; from neol.cli import app\n"
