@@ -5,7 +5,6 @@ import numpy.typing as npt
 
 from neol.neat.genome import Genome
 
-
 MAX_NODE_ID = 2**24
 """Decoding keeps a table of ids; no run comes near so many nodes."""
 
