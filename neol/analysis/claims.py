@@ -5,7 +5,9 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
 - supported: the effect's 95% interval (stratified bootstrap) lies above 0; a claim of significance:
   the one-sided rank-sum test has p < 0.05.
 - contradicted: the interval lies at or below 0, the test is significant the other way round. As
-  one part suffices to contradict a claim, these use 0.05 divided by the number of parts.
+  one part suffices to contradict a claim, these use 0.05 divided by the number of parts. Where the
+  runs themselves pick the highest of several cells, 0.05 is also divided by how many there are: to
+  support, of those that should lead; to contradict, of their rivals.
 - undecided otherwise, and where a cell is not in the budget, lacks seeds (or one does that it was
   chosen among), or has fewer than 5. A claim of no significant difference is about the two-sided
   test, and no fewer seeds than the paper's 30 bear it out.
@@ -143,7 +145,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         return Finding(part, "undecided", SEEDS_MISSING if missing else "not in this budget")
     samples = [outcomes.values(cell, part.metric) for cell in cells]
     seeds = min(map(len, samples))
-    if any(np.isnan(sample).any() for sample in samples):
+    if any(np.isnan(outcomes.values(each, part.metric)).any() for each in (*cells, *part.among)):
         return Finding(part, "undecided", "a run has no value", seeds=seeds)
     if seeds < 2:
         return Finding(part, "undecided", f"{seeds} seeds", seeds=seeds)
@@ -151,10 +153,12 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     replicates = bootstrap(part.effect, samples, random, RESAMPLES)
     low, high = (float(bound) for bound in interval(replicates, seeds, 1 - ALPHA))
     needed = seeds_for(effect, float(replicates.std(ddof=1)), seeds)
-    _, highest = (float(bound) for bound in interval(replicates, seeds, 1 - alpha))
     p = math.nan
     if part.rule == "interval":
-        right = low >= 0 if part.at_least else low > 0
+        leaders, rivals = part.picked
+        lowest = float(interval(replicates, seeds, 1 - ALPHA / leaders)[0])
+        highest = float(interval(replicates, seeds, 1 - alpha / rivals)[1])
+        right = lowest >= 0 if part.at_least else lowest > 0
         wrong = highest < 0 if part.at_least else highest <= 0
     elif part.rule == "significance":
         p = rank_sum(*samples)

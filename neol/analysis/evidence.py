@@ -47,6 +47,8 @@ class Part:
     """Of the cells' values, in their order; greater than 0 if the claim is right."""
     among: tuple[Cell, ...] = ()
     """What the cells were chosen among: a seed that is missing there could change the choice."""
+    picked: tuple[int, int] = (1, 1)
+    """Out of how many cells the runs themselves picked the one that should lead, and its rival."""
     at_least: bool = False
     """Whether an effect of exactly 0 bears the claim out as well."""
     rule: Literal["interval", "significance", "no significance"] = "interval"

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from neol.analysis.evidence import Methods, Metric, Part, Setting, chosen, signed
 from neol.analysis.outcomes import METRICS, Floats, Outcomes
-from neol.analysis.statistics import superiority
+from neol.analysis.statistics import mean_difference, superiority
 from neol.campaign import Cell
 from neol.spec import Model
 
@@ -164,26 +164,32 @@ class Peak(Model):
     """Whether the method must have learning rates both below and above those of `where`."""
 
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
-        """One for each task and method."""
+        """One for each task and method: the lead of the one highest cell over the other."""
+
+        def lead(sample: Floats, against: Floats) -> Floats:
+            return mean_difference(sample, against) - self.margin
+
         for task, method in product(self.tasks, self.methods):
             own = outcomes.grid(task, [method])
             inside = self.where.of(own)
             others = outcomes.grid(task, self.against) if self.against else own
             outside = [cell for cell in others if cell not in inside]
 
-            def lead(*samples: Floats, split: int = len(inside)) -> Floats:
-                highest = [
-                    np.max([sample.mean(axis=-1) for sample in half], axis=0)
-                    for half in (samples[:split], samples[split:])
-                ]
-                return np.asarray(highest[0] - highest[1] - self.margin)
-
             enclosed = not self.intermediate or _enclosed(inside, own)
-            cells = (*inside, *outside) if inside and outside and enclosed else (None,)
+            found = bool(inside and outside and enclosed)
+            pair = [_highest(outcomes, half, self.metric) for half in (inside, outside) if found]
             label = (
                 f"{task}: the best of {_where(method, self.where)} above that of {_others(self)}"
             )
-            yield Part(label, METRICS[self.metric], cells, self.metric, lead)
+            yield Part(
+                label=label,
+                unit=METRICS[self.metric],
+                cells=tuple(pair) or (None,),
+                metric=self.metric,
+                effect=lead,
+                among=(*inside, *outside) if found else (),
+                picked=(len(inside), len(outside)),
+            )
 
 
 class Sensitivity(Model):
@@ -230,6 +236,11 @@ def _named(
     extremes = {"smallest": min(values, default=None), "largest": max(values, default=None)}
     meant = {extremes[name] if isinstance(name, str) else name for name in names}
     return meant if meant <= set(values) else None
+
+
+def _highest(outcomes: Outcomes, cells: Sequence[Cell], metric: str) -> Cell:
+    """The cell with the highest mean; the first one if none has runs."""
+    return max(cells, key=lambda cell: np.nan_to_num(outcomes.mean(cell, metric), nan=-np.inf))
 
 
 def _enclosed(inside: Sequence[Cell], cells: Sequence[Cell]) -> bool:

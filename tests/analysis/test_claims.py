@@ -345,6 +345,21 @@ class TestPeak:
         assert verdict(self.VALUES, **test, margin=4) == "supported"
         assert verdict(self.VALUES, **test, margin=12) == "contradicted"
 
+    @pytest.mark.parametrize("inside", ["one cell", "all but one"])
+    def test_where_nothing_differs_noise_seldom_decides(self, inside: str) -> None:
+        """Of many noisy cells one is always the highest; that must count neither way."""
+        random = np.random.default_rng(0)
+        rates = [0.1 * (1 + number) for number in range(12)]
+        there = rates[:1] if inside == "one cell" else rates[1:]
+        test = self.TEST | {"where": {"learning_rates": there}}
+        verdicts = [
+            verdict(
+                {cell("bcm", 6, rate): random.normal(size=20) for rate in rates}, **test, seeds=20
+            )
+            for _ in range(40)
+        ]
+        assert verdicts.count("undecided") >= 37
+
     def test_intermediate_rates_need_others_below_and_above(self) -> None:
         rates = {0.1: 5, 0.2: 20, 0.3: 10}
         values = {cell("bcm", 6, rate): around(mean) for rate, mean in rates.items()}
