@@ -16,6 +16,10 @@ from neol.sensitivity import BASELINE
 
 GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
 """Behind words that lines run through."""
+NO_LINE = (
+    "A mark without a line: all runs tie, or all of one side are higher, and so are all resamples; "
+    "that does not make it certain."
+)
 METRIC_LABELS = {
     "score": "SCORE",
     "equal_evaluations": "Best so far,\nequal evaluations",
@@ -50,13 +54,15 @@ def effects(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
             outcome = "SCORE" if metric == "score" else "Final fitness"
             text = f"{outcome} vs {METHODS[against]}"
             place = 0.62 - group * (len(RULES) + 0.8)
-            label = axes[0].text(-0.04, place, text, size=6.5, color=GREY)
+            label = axes[0].text(-0.01, place, text, size=6.5, color=GREY, bbox=GROUND)
             label.set_in_layout(False)
         axes[0].set_ylim(min(places.values()) - 0.5, 1.2)
         axes[len(columns) // 2].set_xlabel("Probability that a run of the rule ends higher (A12)")
         explanation = (
             "Lines: 95% intervals (stratified bootstrap); crosses: the paper's, from its p-values."
         )
+        if (table["low"] == table["high"]).any():
+            explanation += f" {NO_LINE}"
         footer(figure, f"{note} {explanation}")
     return figure
 
@@ -177,6 +183,8 @@ def sensitivity(table: pd.DataFrame, tasks: Sequence[str], seeds: int, note: str
         lacking = int((table["seeds"] < seeds).sum())
         warning = [f"Seeds are missing: {lacking} of {len(table)} trials are incomplete."]
         lines = [f"{note} Lines: 95% intervals (bootstrap).", *(warning if lacking else [])]
+        if (table["low"] == table["high"])[table["variant"] != BASELINE].any():
+            lines[0] += f" {NO_LINE}"
         footer(figure, "\n".join(lines))
     return figure
 

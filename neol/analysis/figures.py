@@ -55,6 +55,7 @@ def convergence(
                     reasons[task, method] = f"{table.shape[1]} of {seeds} seeds"
                 samples[method] = table.ffill().iloc[-1].to_numpy() if len(table) else np.array([])
                 _curve(top, method, table.dropna())
+            _clip(top, here["best_fitness"])
             starred = {method for where, method in reasons if where == task}
             _boxes(bottom, samples, starred)
             top.set_xlabel("Generation")
@@ -65,8 +66,8 @@ def convergence(
         handles, labels = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(methods))
         explanation = (
-            "Lines: means over seeds, bands: their 95% intervals. Boxes: quartiles, whiskers to "
-            "1.5 interquartile ranges; dots: single seeds."
+            "Lines: means over seeds, bands: their 95% intervals, cut at the range of the runs. "
+            "Boxes: quartiles, whiskers to 1.5 interquartile ranges; dots: single seeds."
         )
         footer(figure, "\n".join([f"{note} {explanation}", *_listed(reasons)]))
     return figure
@@ -141,6 +142,16 @@ def _curve(axis: Axes, method: str, table: pd.DataFrame) -> None:
     if values.size:
         low, high = mean_interval(values)
         axis.fill_between(table.index, low, high, color=style.colour, alpha=0.15, linewidth=0)
+
+
+def _clip(axis: Axes, values: "pd.Series[float]") -> None:
+    """Cut an axis at the range of its runs: Student's bands leave it where seeds are few."""
+    if values.empty:
+        return
+    low, high = float(values.min()), float(values.max())
+    margin = 0.03 * (high - low) or 0.01 * max(abs(high), 1.0)
+    bottom, top = axis.get_ylim()
+    axis.set_ylim(max(bottom, low - margin), min(top, high + margin))
 
 
 def _spaced(points: int, method: int, markers: int = 5) -> list[int]:

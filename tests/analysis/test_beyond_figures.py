@@ -19,3 +19,7 @@ def test_trials_that_lack_seeds_say_how_many_they_have() -> None:
     assert "Seeds are missing: 2 of 4 trials are incomplete." in figure.get_supxlabel()
     whole = beyond_figures.sensitivity(table[:2], ["hopper"], seeds=3, note="Made up.")
     assert "missing" not in whole.get_supxlabel()
+    assert "A mark without a line" not in whole.get_supxlabel()
+    certain = table[:2].assign(a12=1.0, low=1.0, high=1.0)
+    figure = beyond_figures.sensitivity(certain, ["hopper"], seeds=3, note="Made up.")
+    assert "A mark without a line" in figure.get_supxlabel()

@@ -95,6 +95,11 @@ def test_lines_are_means_over_seeds() -> None:
     assert (bcm.get_color(), neat.get_color()) == (STYLES["bcm"].colour, STYLES["neat"].colour)
 
 
+def test_bands_end_at_the_range_of_the_runs() -> None:
+    low, high = draw_curves(curves(generations=1)).axes[0].get_ylim()  # BCM 1, 2, 3, NEAT 0, 1, 2
+    assert (low, high) == pytest.approx((-0.09, 3.09))
+
+
 def test_every_seed_is_a_dot() -> None:
     dots = draw_curves(curves()).axes[1].collections
     assert sorted(dots[0].get_offsets()[:, 1]) == [4, 5, 6]
