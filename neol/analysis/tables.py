@@ -21,6 +21,11 @@ from neol.spec import Configuration, load_configuration
 RULES = ("bcm", "hebb", "oja")
 ALPHA = 0.05
 NOTHING = "--"
+CHOSEN_OF_FOUR = 0.14
+"""How often equal methods differ at `ALPHA`, when one is the best of four cells, of 30 seeds each.
+
+Simulated: the rank-sum test of the cell with the highest of four means against a fifth cell.
+"""
 _RANKED = (
     "beneath each value the paper's own. Bold marks a row's highest mean, underline the runner-up; "
     "equal means are marked alike, and a shared first place leaves no runner-up."
@@ -248,19 +253,37 @@ def _table(
 ) -> Table:
     configuration = campaign.configuration
     incomplete = [f"{mark} {reason}." for reason, mark in marks.items()]
-    shown = candidates(configuration, setting)
+    shown = {
+        place: among
+        for place, among in candidates(configuration, setting).items()
+        if place[1] in methods
+    }
     return Table(
         number=number,
         caption=f"{title} {describe_budget(configuration)}",
         columns=columns,
         lines=tuple(lines),
-        notes=(*incomplete, *reference.CONTRADICTIONS.get(number, ())),
+        notes=(*incomplete, *_flattered(shown), *reference.CONTRADICTIONS.get(number, ())),
         frame=frame,
         configuration=configuration,
-        sources=campaign.sources(
-            cell for (_, method), among in shown.items() if method in methods for cell in among
-        ),
+        sources=campaign.sources(cell for among in shown.values() for cell in among),
     )
+
+
+def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
+    """That a rule was chosen among more cells than NEAT, by the runs that are shown and tested."""
+    rules = max((len(among) for (_, method), among in shown.items() if method in RULES), default=0)
+    neat = max(
+        (len(among) for (_, method), among in shown.items() if method not in RULES), default=0
+    )
+    if rules <= neat:
+        return []
+    return [
+        f"A rule's cell is the best of up to {rules}, NEAT's of {neat}, chosen by the same seeds "
+        "that are shown and tested: that alone lifts its mean and lowers its p-value. In a "
+        "simulation of equal methods (normal outcomes, 30 seeds, the best of 4 cells against 1) "
+        f"the test at {ALPHA} finds the rule higher in {CHOSEN_OF_FOUR:.0%} of cases."
+    ]
 
 
 def _marks(reasons: Iterable[str]) -> dict[str, str]:

@@ -7,7 +7,9 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy import stats
 
 from neol.analysis import reference
 from neol.analysis.labels import METHODS
@@ -15,6 +17,8 @@ from neol.analysis.runs import Campaign
 from neol.analysis.score import PAPER_GENERATIONS, PAPER_POPULATION, PAPER_SAMPLES
 from neol.analysis.table import Table
 from neol.analysis.tables import (
+    ALPHA,
+    CHOSEN_OF_FOUR,
     describe_budget,
     lacking,
     lead_over_neat,
@@ -127,6 +131,23 @@ def test_the_notes_on_contradictions_say_what_the_paper_prints() -> None:
     assert round(0.745 * PAPER_SAMPLES / (PAPER_GENERATIONS * PAPER_POPULATION)) == 497
     assert scores["cartpole", "neat"][0] < 0.745 < scores["cartpole", "hebb"][0]
     assert ablation["bipedal_walker", "hebb"][0] < ablation["bipedal_walker", "neat_wo"][0]
+
+
+def test_how_often_the_best_of_four_cells_seems_better_than_an_equal() -> None:
+    random = np.random.default_rng(0)
+    cells = random.normal(size=(3000, 4, 30))
+    chosen = cells[np.arange(len(cells)), cells.mean(axis=-1).argmax(axis=-1)]
+    against = random.normal(size=(len(cells), 30))
+    p = stats.mannwhitneyu(chosen, against, alternative="greater", axis=1).pvalue
+    assert (p < ALPHA).mean() == pytest.approx(CHOSEN_OF_FOUR, abs=0.015)
+
+
+def test_tables_say_that_a_choice_flatters(campaign: Campaign, tmp_path: Path) -> None:
+    for make in (table1, table2, table5, table6, table7, table8):
+        assert any("the best of up to" in note for note in make(campaign).notes)
+    paper = Campaign(load_configuration("paper"), tmp_path / "none")
+    assert "the best of up to 4, NEAT's of 1," in " ".join(table6(paper).notes)
+    assert not any("the best of" in note for note in table5(paper).notes)
 
 
 def test_no_record_at_all_prints_nothing_but_the_reasons(tmp_path: Path) -> None:
