@@ -10,7 +10,9 @@ import pytest
 from neol.analysis.claims import decide, load_claims
 from neol.analysis.ledger import write_ledger
 from neol.analysis.outcomes import gather
+from neol.analysis.paper_figures import heatmap
 from neol.analysis.runs import Campaign
+from neol.analysis.tables import table2, table6, table7
 from neol.campaign import Cell, cells
 from neol.spec import ROOT, Configuration, load_configuration
 from tests.analysis.made_up import configuration, write_campaign
@@ -59,7 +61,7 @@ NOTEBOOKS = {
 
 
 def test_every_notebook_is_here() -> None:
-    drawn = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")} - {"explore"}
+    drawn = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
     assert drawn == set(NOTEBOOKS)
 
 
@@ -96,6 +98,28 @@ def test_a_notebook_makes_its_files_and_each_is_traced(
         assert {row["a12"] for row in effects} == {"1.0"}
         gaps = {row["mean"] for row in rows(tmp_path / "beyond_selection.csv")}
         assert gaps == {"1.0"}  # the champions come to 1 less in fresh episodes
+
+
+def test_tables_and_figures_show_the_runs_as_they_were_made(results: Path) -> None:
+    """By hand: seeds at -1, 0, 1 around a cell's mean, 2 and 1 more in the generations before.
+
+    Three generations and populations to 12: M = 1e8 x 3 x 12 / 150,000 = 24,000.
+    """
+    campaign = Campaign(load_configuration("smoke"), results)
+    scores = table2(campaign).frame.set_index(["task", "method"])
+    # BCM at population 12: 112 + 113 + 114 around the seed, and 3 for each seed's own shift.
+    assert scores.loc[("hopper", "bcm"), "mean"] == pytest.approx(12 / 24_000 * 339)
+    assert scores.loc[("hopper", "bcm"), "sd"] == pytest.approx(12 / 24_000 * 3)
+    assert scores.loc[("hopper", "neat"), "mean"] == pytest.approx(12 / 24_000 * 69)
+    ablation = table7(campaign).frame.set_index(["task", "method"])
+    assert ablation.loc[("cartpole", "neat_wo"), ["mean", "sd"]].tolist() == [12, 1]
+    assert ablation.loc[("cartpole", "oja"), ["mean", "sd"]].tolist() == [62, 1]
+    p_values = table6(campaign).frame
+    assert set(p_values["p"]) == {1 / 20}  # all nine pairs, of 20 ways to part six runs
+    assert set(p_values["a12"]) == {1}
+    bcm, *_, neat = heatmap(6, campaign).figure.axes[:4]
+    assert [text.get_text() for text in bcm.texts] == ["106", "112", "102", "108"]
+    assert [text.get_text() for text in neat.texts] == ["16.0", "22.0"]
 
 
 EXPECTED = {
