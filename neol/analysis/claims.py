@@ -29,7 +29,14 @@ from neol.analysis.evidence import Compare, Gain, Part, Rank, Significant
 from neol.analysis.grid_evidence import Level, Peak, Sensitivity, Share, Trend
 from neol.analysis.outcomes import Outcomes
 from neol.analysis.score import PAPER_GENERATIONS
-from neol.analysis.statistics import RESAMPLES, bootstrap, interval, rank_sum, seeds_for
+from neol.analysis.statistics import (
+    RESAMPLES,
+    bootstrap,
+    interval,
+    rank_sum,
+    seeds_for,
+    seeds_needed,
+)
 from neol.errors import UserError
 from neol.spec import ROOT, Model
 
@@ -82,7 +89,10 @@ class Finding:
     seeds: int = 0
     """Of the cell that has the fewest."""
     needed: float = math.nan
-    """Seeds with which an effect of this size would be found 4 times of 5."""
+    """Seeds with which an effect of this size would be found 4 times of 5; NaN where it is unknown.
+
+    For a claim of significance as `seeds_needed` has it, for no significance there is none.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,15 +162,17 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     effect = float(part.effect(*samples))
     replicates = bootstrap(part.effect, samples, random, RESAMPLES)
     low, high = (float(bound) for bound in interval(replicates, seeds, 1 - ALPHA))
-    needed = seeds_for(effect, float(replicates.std(ddof=1)), seeds)
+    needed = math.nan
     p = math.nan
     if part.rule == "interval":
+        needed = seeds_for(effect, float(replicates.std(ddof=1)), seeds)
         leaders, rivals = part.picked
         lowest = float(interval(replicates, seeds, 1 - ALPHA / leaders)[0])
         highest = float(interval(replicates, seeds, 1 - alpha / rivals)[1])
         right = lowest >= 0 if part.at_least else lowest > 0
         wrong = highest < 0 if part.at_least else highest <= 0
     elif part.rule == "significance":
+        needed = seeds_needed(effect + 0.5)
         p = rank_sum(*samples)
         right, wrong = p < ALPHA, rank_sum(*reversed(samples)) < alpha
     else:
@@ -174,6 +186,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         verdict, reason = "undecided", f"fewer than {LEAST_SEEDS} seeds"
     elif wrong and part.grows and outcomes.generations < PAPER_GENERATIONS:
         verdict, reason = "undecided", f"fewer than {PAPER_GENERATIONS} generations"
+    needed = float(np.maximum(needed, LEAST_SEEDS))
     return Finding(part, verdict, reason, effect, low, high, p, seeds, needed)
 
 

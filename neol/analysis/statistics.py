@@ -220,10 +220,13 @@ def seeds_for(effect: float, error: float, seeds: int, power: float = 0.8) -> fl
     """Seeds with which a 95% interval excludes 0 this often, for an effect of any kind.
 
     From its bootstrap standard error at so many seeds, which shrinks with their square root:
-    n ((z_0.975 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect.
+    n ((z_0.975 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect, NaN
+    without an error to go by.
     """
     if effect == 0:
         return math.inf
+    if error == 0:
+        return math.nan
     z = stats.norm.isf(0.025) + stats.norm.isf(1 - power)
     return float(max(2, math.ceil(seeds * (z * error / effect) ** 2)))
 

@@ -13,6 +13,7 @@ import yaml
 from neol.analysis.claims import CLAIMS, Claim, Decision, decide, load_claims
 from neol.analysis.ledger import as_latex, as_markdown, as_table
 from neol.analysis.outcomes import METRICS, Outcomes
+from neol.analysis.statistics import seeds_needed
 from neol.campaign import Cell
 from neol.errors import UserError
 
@@ -184,6 +185,23 @@ class TestSignificance:
         few = {cell("bcm"): equal[:8], cell("neat"): equal[:8]}
         assert verdict(few, **test) == "undecided"
         assert verdict({cell("bcm"): equal, cell("neat"): equal}, **test, seeds=30) == "supported"
+
+
+class TestSeedsNeeded:
+    def test_never_fewer_than_decide_anything(self) -> None:
+        values = {cell("bcm"): around(1000), cell("neat"): around(5)}
+        assert decision(values, **HIGHER).findings[0].needed == 5
+
+    def test_of_significance_it_is_the_rank_sum_tests(self) -> None:
+        values = {cell("bcm"): around(1), cell("neat"): around(0)}
+        (finding,) = decision(values, **TestSignificance.TEST).findings
+        assert finding.needed == seeds_needed(finding.effect + 0.5)
+
+    def test_unknown_without_spread_and_for_no_significance(self) -> None:
+        equal = {cell("bcm"): [9.0] * 8, cell("neat"): [5.0] * 8}
+        assert math.isnan(decision(equal, **HIGHER).findings[0].needed)
+        test = TestSignificance.TEST | {"kind": "not_significant"}
+        assert math.isnan(decision(TestSignificance.BETTER, **test).findings[0].needed)
 
 
 class TestRank:
