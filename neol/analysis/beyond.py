@@ -1,7 +1,9 @@
 """What the paper does not show: effect sizes, aggregates, equal cost, selection bias.
 
-Each function makes a table from a budget's outcomes; `beyond_figures` draws it. Runs are the units,
-cells independent samples of them.
+Each function makes a table from a budget's outcomes; `beyond_figures` draws it. Seeds are the
+units. Cells are taken as independent samples of them, which they are not wholly: a seed gives all
+methods the same episodes, and NEAT and the rules the same first population of a size. As far as
+that makes their runs alike, the intervals of a difference are too wide rather than too narrow.
 """
 
 import math
@@ -130,11 +132,11 @@ def profiles(outcomes: Outcomes, tasks: Sequence[str], seed: int = 0) -> pd.Data
 def efficiency(outcomes: Outcomes) -> pd.DataFrame:
     """SCORE and the best-so-far fitness at equal cost, by task, method and population.
 
-    Means over all seeds and learning rates: nothing is selected. One row for each metric.
+    Means over the learning rates, then over the seeds: nothing is selected. A row for each metric.
     """
     metrics = ["score", "equal_evaluations", "equal_steps"]
     long = outcomes.runs.melt(
-        ["task", "method", "population"], metrics, var_name="metric", value_name="value"
+        ["task", "method", "population", "seed"], metrics, var_name="metric", value_name="value"
     )
     return _mean_by(long, ["metric", "task", "method", "population"])
 
@@ -142,7 +144,7 @@ def efficiency(outcomes: Outcomes) -> pd.DataFrame:
 def selection(outcomes: Outcomes) -> pd.DataFrame:
     """How far the training maximum flatters: final best minus the champion's held-out mean.
 
-    By task, method and population, over all seeds and learning rates.
+    By task, method and population: means over the learning rates, then over the seeds.
     """
     runs = outcomes.runs.assign(value=outcomes.runs["final_best"] - outcomes.runs["held_out"])
     gap = _mean_by(runs, ["task", "method", "population"])
@@ -169,11 +171,16 @@ def _normalised(outcomes: Outcomes, tasks: Sequence[str], method: str) -> dict[s
 
 
 def _mean_by(table: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """Mean of `value` with Student's interval, and the number of runs, by some keys."""
+    """Mean of `value` with Student's interval, by some keys.
+
+    A seed's runs share its random numbers, so they are averaged to one value first. `runs` counts
+    those seeds, `without_value` the runs that have none, such as a champion that failed everywhere.
+    """
     rows = []
     for place, runs in table.groupby(keys, sort=False):
-        values = runs["value"].dropna().to_numpy(dtype=np.float64)
+        values = runs.groupby("seed")["value"].mean().dropna().to_numpy(dtype=np.float64)
         low, high = mean_interval(values)
         mean = float(values.mean()) if len(values) else math.nan
-        rows.append((*place, len(values), mean, float(low), float(high)))
-    return pd.DataFrame(rows, columns=[*keys, "runs", "mean", "low", "high"])
+        without = int(runs["value"].isna().sum())
+        rows.append((*place, len(values), without, mean, float(low), float(high)))
+    return pd.DataFrame(rows, columns=[*keys, "runs", "without_value", "mean", "low", "high"])

@@ -4,12 +4,14 @@ import math
 from pathlib import Path
 
 import gymnasium
+import numpy as np
 import pandas as pd
 import pytest
 
 from neol.analysis import beyond, beyond_figures
 from neol.analysis.outcomes import Outcomes, gather
 from neol.analysis.runs import Campaign
+from neol.analysis.statistics import mean_interval
 from neol.analysis.style import save
 from neol.campaign import Cell, cells
 from neol.spec import load_configuration
@@ -70,7 +72,23 @@ def test_selection_is_what_the_training_maximum_flatters(tmp_path: Path) -> None
     """The made-up champions come to 1 less in fresh episodes."""
     table = beyond.selection(collected(tmp_path, {}))
     assert set(table["mean"]) == {1.0}
-    assert set(table["runs"]) == {3, 6}  # two rates for a rule, none for NEAT
+    assert set(table["runs"]) == {3}
+    assert set(table["without_value"]) == {0}
+
+
+def test_a_seed_counts_once_however_many_learning_rates_it_has(tmp_path: Path) -> None:
+    """By seed over the two rates: 0, 3 and 6; SCORE is 12 / 16,000 x (2 x final + 1)."""
+    values = {BCM["hopper"]: [0.0, 6.0, 12.0]}
+    outcomes = collected(tmp_path, values)
+    place = {"metric": "score", "task": "hopper", "method": "bcm", "population": 12}
+    table = beyond.efficiency(outcomes)
+    low, high = mean_interval(np.array([0.0, 3.0, 6.0]))
+    found = row(table, **place)
+    assert found["runs"] == 3
+    assert found["high"] - found["low"] == pytest.approx(24 / 16_000 * float(high - low))
+    outcomes.runs.loc[0, "held_out"] = math.nan
+    gaps = beyond.selection(outcomes)
+    assert (gaps["runs"].tolist(), gaps["without_value"].sum()) == ([3] * len(gaps), 1)
 
 
 def test_score_grows_with_the_population_where_efficiency_does_not(tmp_path: Path) -> None:
