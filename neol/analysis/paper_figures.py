@@ -22,7 +22,8 @@ def figure2(campaign: Campaign) -> Drawing:
 
 def figure3(campaign: Campaign) -> Drawing:
     """Figure 3: the same against NEAT without weight mutation, in the cells of Table 4."""
-    return _convergence("figure3", campaign, "table4")
+    colours = "NEAT (w/o) is purple, in the paper red as NEAT is."
+    return _convergence("figure3", campaign, "table4", colours)
 
 
 def heatmap(number: int, campaign: Campaign) -> Drawing:
@@ -51,7 +52,7 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
     return Drawing(f"figure{number}", figure, configuration, campaign.sources(shown))
 
 
-def _convergence(name: str, campaign: Campaign, setting: str) -> Drawing:
+def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") -> Drawing:
     configuration = campaign.configuration
     methods = SETTINGS[setting].methods
     chosen, incomplete = [], {}
@@ -71,7 +72,7 @@ def _convergence(name: str, campaign: Campaign, setting: str) -> Drawing:
         methods=methods,
         seeds=configuration.budget.seeds,
         note=f"Configurations of Table {SETTINGS[setting].paper_table}. "
-        f"{describe_budget(configuration)}",
+        f"{describe_budget(configuration)} {remark}".strip(),
         incomplete=incomplete,
     )
     considered = [cell for among in candidates(configuration, setting).values() for cell in among]

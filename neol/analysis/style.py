@@ -1,7 +1,8 @@
 """How everything drawn looks: one colour, line and marker for each method, and files that repeat.
 
 The hues are the paper's (BCM blue, Hebb orange, Oja green, NEAT red) in the tints of Okabe and Ito,
-which colour-blind readers tell apart; lines and markers do the same in grey print.
+which colour-blind readers tell apart; lines and markers do the same in grey print. NEAT (w/o),
+which the paper draws red too, is purple: one colour for each method in all figures.
 """
 
 import io

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from neol.analysis.figures import convergence, heatmaps
-from neol.analysis.paper_figures import heatmap
+from neol.analysis.paper_figures import figure3, heatmap
 from neol.analysis.runs import Campaign
 from neol.analysis.style import STYLES, save
 from tests.analysis.made_up import configuration
@@ -152,6 +152,10 @@ def test_a_heatmap_says_its_own_steps_and_what_score_rewards(tmp_path: Path) -> 
     assert "of at most 200 (CartPole) steps" in footer(heatmap(4, campaign).figure)
     assert "by construction" not in footer(heatmap(4, campaign).figure)
     assert "SCORE grows with the population by construction" in footer(heatmap(8, campaign).figure)
+
+
+def test_figure_3_says_where_its_colours_are_not_the_papers(tmp_path: Path) -> None:
+    assert "NEAT (w/o) is purple" in footer(figure3(Campaign(configuration(), tmp_path)).figure)
 
 
 def test_panels_share_a_scale() -> None:
