@@ -1,9 +1,14 @@
 """The paper's own numbers, as transcribed in paper/reference/."""
 
 import csv
+import math
 from collections.abc import Iterator
 
+from neol.analysis.statistics import paper_statistic
 from neol.campaign import REFERENCE
+
+SEEDS = 30
+"""Of each method in the paper."""
 
 _TWO_SIDED = (
     "The caption describes the one-sided test, but the paper's p-values are two-sided: with normal "
@@ -61,6 +66,16 @@ def values(table: int) -> dict[tuple[str, str], tuple[float, float | None]]:
         (row["task"], row["column"]): (float(row["value"]), _optional(row["sd"]))
         for row in _rows("tables", table)
     }
+
+
+def paper_a12(table: int, task: str, method: str) -> float:
+    """A12 of a rule against NEAT from its p-value in Table 5 or 6: U over the pairs of 30 seeds.
+
+    NaN where the table has none, or its p-value is not that of exactly one U.
+    """
+    p, _ = values(table).get((task, f"{method}_vs_neat"), (math.nan, None))
+    u = paper_statistic(p, digits=4 if table == 5 else 3, seeds=SEEDS)
+    return math.nan if u is None else u / SEEDS**2
 
 
 def settings(table: int) -> dict[tuple[str, str], tuple[int, float | None]]:

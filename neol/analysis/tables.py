@@ -12,7 +12,7 @@ from neol.analysis import reference
 from neol.analysis.choice import SETTINGS, candidates
 from neol.analysis.labels import METHODS, task_label
 from neol.analysis.runs import Campaign
-from neol.analysis.statistics import Floats, holm, paper_statistic, rank_sum, superiority
+from neol.analysis.statistics import Floats, holm, rank_sum, superiority
 from neol.analysis.summary import Comparison, OwnSummary, Summary, compare
 from neol.analysis.table import Entry, Line, Table
 from neol.campaign import Cell, cells
@@ -120,7 +120,6 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
             sample = _sample(campaign, task, method, here, setting)
             seeds = min(len(sample), len(against))
             paper, _ = printed.get((task, f"{method}_vs_neat"), (math.nan, None))
-            paper_u = paper_statistic(paper, digits=4 if number == 5 else 3)
             rows.append(
                 {
                     "task": task,
@@ -130,8 +129,7 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
                     "seeds": seeds,
                     "incomplete": here.incomplete or neat.incomplete,
                     "paper_p": paper,
-                    "paper_u": math.nan if paper_u is None else paper_u,
-                    "paper_a12": math.nan if paper_u is None else paper_u / 900,
+                    "paper_a12": reference.paper_a12(number, task, method),
                 }
             )
     frame = pd.DataFrame(rows)
@@ -287,10 +285,12 @@ def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
 
 
 def _marks(reasons: Iterable[str]) -> dict[str, str]:
-    """A letter for each reason why a value is incomplete."""
+    """A letter for each reason why a value is incomplete: (a) to (z), then (aa) and so on."""
     distinct = dict.fromkeys(reason for reason in reasons if reason)
+    letters = len(ascii_lowercase)
     return {
-        reason: f"({letter})" for reason, letter in zip(distinct, ascii_lowercase, strict=False)
+        reason: f"({ascii_lowercase[i % letters] * (i // letters + 1)})"
+        for i, reason in enumerate(distinct)
     }
 
 
