@@ -8,6 +8,8 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
   one part suffices to contradict a claim, these use 0.05 divided by the number of parts. Where the
   runs themselves pick the highest of several cells, 0.05 is also divided by how many there are: to
   support, of those that should lead; to contradict, of their rivals.
+- a mean against a task's maximum: as no run can be above it, one run below it shows that the mean
+  is below it too.
 - undecided otherwise, and where a cell is not in the budget, lacks seeds (or one does that it was
   chosen among), or has fewer than 5. A claim of no significant difference is about the two-sided
   test, and no fewer seeds than the paper's 30 bear it out.
@@ -171,6 +173,9 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         highest = float(interval(replicates, seeds, 1 - alpha / rivals)[1])
         right = lowest >= 0 if part.at_least else lowest > 0
         wrong = highest < 0 if part.at_least else highest <= 0
+    elif part.rule == "one run":
+        right = effect >= 0 if part.at_least else effect > 0
+        wrong = not right
     elif part.rule == "significance":
         needed = seeds_needed(effect + 0.5)
         p = rank_sum(*samples)

@@ -51,8 +51,9 @@ class Part:
     """Out of how many cells the runs themselves picked the one that should lead, and its rival."""
     at_least: bool = False
     """Whether an effect of exactly 0 bears the claim out as well."""
-    rule: Literal["interval", "significance", "no significance"] = "interval"
-    """What decides: the effect's interval, or the rank-sum test's p-value, one- or two-sided."""
+    rule: Literal["interval", "one run", "significance", "no significance"] = "interval"
+    """What decides: the effect's interval; the effect itself, where one run below a maximum is
+    enough; the rank-sum test's p-value, one- or two-sided."""
     grows: bool = False
     """Whether more generations could bring it about: fewer than the paper's contradict nothing."""
 

@@ -39,6 +39,8 @@ class Level(Model):
     metric: Metric
     bound: Literal["at_least", "below"]
     level: float
+    maximum: bool = False
+    """Whether no run can be above the level."""
     tasks: tuple[str, ...]
     methods: Methods
     setting: Setting | None = None
@@ -67,6 +69,7 @@ class Level(Model):
                     effect=distance,
                     among=among,
                     at_least=reach,
+                    rule="one run" if self.maximum else "interval",
                     grows=reach,
                 )
 

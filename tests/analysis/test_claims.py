@@ -281,6 +281,17 @@ class TestLevel:
         assert verdict(lower, **test, where=there) == "supported"
         assert verdict(self.GRID, **test, where=there) == "contradicted"
 
+    def test_one_run_below_the_maximum_is_enough(self) -> None:
+        """Its interval would still reach 500."""
+        low = self.GRID | {cell("bcm", 6, 0.2): [500.0] * 7 + [499.0]}
+        test = self.TEST | {"maximum": True}
+        assert verdict(low, **self.TEST) == "undecided"
+        assert verdict(low, **test) == "contradicted"
+        assert verdict(self.GRID, **test) == "supported"
+        there = {"populations": ["smallest"], "learning_rates": ["largest"]}
+        assert verdict(low, **(test | {"bound": "below"}), where=there) == "supported"
+        assert decision(low, **test, generations=100).verdict == "undecided"
+
     def test_a_place_that_the_grid_lacks(self) -> None:
         for where in ({"populations": [300]}, {"populations": [6, 300]}, {"learning_rates": [0.3]}):
             (finding,) = decision(self.GRID, **self.TEST, where=where).findings
