@@ -423,7 +423,7 @@ class TestLedger:
                 cell(method, p, rate, task): around(p)
                 for task in ("cartpole", "lunar_lander", "hopper", "bipedal_walker")
                 for method in ("bcm", "hebb", "oja", "neat", "neat_wo")
-                for p in (200, 300)
+                for p in (50, 200, 300)
                 for rate in (2.5e-4, 2.5e-3, 2.5e-2, 2.5e-1)
             }
         )
@@ -438,6 +438,16 @@ class TestLedger:
         )
         assert page.count("\n## ") == len(claims)
         assert latex.count("{") == latex.count("}")
+
+    def test_each_statement_of_a_sentence_has_its_test(self) -> None:
+        tests = {each.id: each.tests for each in load_claims()}
+        assert {(test.setting, test.against) for test in tests["recover-and-surpass"]} == {
+            ("table4", "neat_wo")
+        }
+        assert [test.statistic for test in tests["neat-struggles"]] == ["sd", "low_outliers"]
+        assert [test.kind for test in tests["score-cartpole-population"]] == [
+            "level", "level", "trend",
+        ]  # fmt: skip
 
     def test_a_verdict_does_not_depend_on_other_claims_or_the_order_of_runs(self) -> None:
         values = {cell("bcm"): around(10), cell("neat"): around(8)}
