@@ -67,14 +67,14 @@ def effects(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
     return figure
 
 
-def aggregates(table: pd.DataFrame, profile: pd.DataFrame, note: str) -> Figure:
-    """Performance profiles over all tasks, and interquartile means of each and of all."""
+def profiles(table: pd.DataFrame, note: str) -> Figure:
+    """Performance profiles over all tasks."""
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.9))
-        left, right = figure.subplots(1, 2, width_ratios=[1.25, 1])
-        for method in _methods(profile):
-            rows, style = profile[profile["method"] == method], STYLES[method]
-            left.plot(
+        axis = figure.subplots()
+        for method in _methods(table):
+            rows, style = table[table["method"] == method], STYLES[method]
+            axis.plot(
                 rows["threshold"],
                 rows["share"],
                 label=METHODS[method],
@@ -84,22 +84,34 @@ def aggregates(table: pd.DataFrame, profile: pd.DataFrame, note: str) -> Figure:
                 markevery=(2 * list(STYLES).index(method), 12),
             )
             band = rows["threshold"], rows["low"], rows["high"]
-            left.fill_between(*band, color=style.colour, alpha=0.12, linewidth=0)
-        left.set_xlabel("Final best fitness / Gymnasium's reward threshold")
-        left.set_ylabel("Share of runs above it")
-        left.set_ylim(-0.02, 1.02)
+            axis.fill_between(*band, color=style.colour, alpha=0.12, linewidth=0)
+        axis.set_xlabel("Final best fitness / Gymnasium's reward threshold")
+        axis.set_ylabel("Share of runs above it")
+        axis.set_ylim(-0.02, 1.02)
+        handles, names = axis.get_legend_handles_labels()
+        figure.legend(handles, names, loc="outside upper center", ncols=5)
+        footer(figure, f"{note} Bands: 95% intervals (stratified bootstrap).")
+    return figure
+
+
+def aggregates(table: pd.DataFrame, note: str) -> Figure:
+    """Interquartile means of each task and of all."""
+    with drawing():
+        figure = Figure(figsize=(WIDTH, 2.9))
+        axis = figure.subplots()
         tasks = list(dict.fromkeys(table["task"]))
         methods = _methods(table)
         for row in table.to_dict("records"):
             offset = 0.15 * (methods.index(row["method"]) - (len(methods) - 1) / 2)
-            _interval(right, -tasks.index(row["task"]) - offset, row, "iqm")
+            _interval(axis, -tasks.index(row["task"]) - offset, row, "iqm")
         labels = ["All tasks" if task == "all" else task_label(task) for task in tasks]
-        right.set_yticks([-position for position in range(len(tasks))], labels)
-        right.tick_params(axis="y", length=0)
-        right.set_xlabel("Interquartile mean, same unit")
-        handles, names = left.get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside upper center", ncols=5)
-        footer(figure, f"{note} Bands and lines: 95% intervals (stratified bootstrap).")
+        axis.set_yticks([-position for position in range(len(tasks))], labels)
+        axis.tick_params(axis="y", length=0)
+        axis.set_xlabel(
+            "Interquartile mean of the final best fitness / Gymnasium's reward threshold"
+        )
+        _legend(figure, methods)
+        footer(figure, f"{note} Lines: 95% intervals (stratified bootstrap).")
     return figure
 
 
@@ -124,7 +136,7 @@ def efficiency(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
         handles, names = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper center", ncols=5)
         explanation = (
-            "Means over all seeds and learning rates, with 95% intervals. Equal cost: up to where "
+            "Means over learning rates, then seeds, with 95% intervals. Equal cost: up to where "
             "all runs of a task have come."
         )
         footer(figure, f"{note} {explanation}")
@@ -144,7 +156,7 @@ def selection(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
         axes[0].set_ylabel("Training maximum\n− held-out mean (return)")
         handles, names = axes[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper center", ncols=5)
-        footer(figure, f"{note} Means over all seeds and learning rates, with 95% intervals.")
+        footer(figure, f"{note} Means over learning rates, then seeds, with 95% intervals.")
     return figure
 
 
@@ -174,12 +186,7 @@ def sensitivity(table: pd.DataFrame, tasks: Sequence[str], seeds: int, note: str
         axes[len(axes) // 2].set_xlabel(
             "Probability that a run ends higher than the baseline's (A12)"
         )
-        handles = [
-            Line2D([], [], color=STYLES[method].colour, marker=STYLES[method].marker)
-            for method in _methods(table)
-        ]
-        labels = [METHODS[method] for method in _methods(table)]
-        figure.legend(handles, labels, loc="outside upper center", ncols=5)
+        _legend(figure, _methods(table))
         lacking = int((table["seeds"] < seeds).sum())
         warning = [f"Seeds are missing: {lacking} of {len(table)} trials are incomplete."]
         lines = [f"{note} Lines: 95% intervals (bootstrap).", *(warning if lacking else [])]
@@ -213,6 +220,16 @@ def _by_population(axis: Axes, table: pd.DataFrame) -> None:
     axis.set_xticks(range(len(populations)), [str(each) for each in populations])
     axis.xaxis.set_minor_locator(NullLocator())
     axis.yaxis.set_major_locator(MaxNLocator(4))
+
+
+def _legend(figure: Figure, methods: Sequence[str]) -> None:
+    """A figure's methods, where what is plotted has no labels."""
+    handles = [
+        Line2D([], [], color=STYLES[method].colour, marker=STYLES[method].marker)
+        for method in methods
+    ]
+    labels = [METHODS[method] for method in methods]
+    figure.legend(handles, labels, loc="outside upper center", ncols=5)
 
 
 def _methods(table: pd.DataFrame) -> list[str]:

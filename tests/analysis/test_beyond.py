@@ -109,10 +109,10 @@ def test_degenerate_runs_can_be_drawn(runs: str, tmp_path: Path) -> None:
     seeds = {"none": [None] * 3, "one": [1.0, None, None], "all equal": [1.0] * 3}[runs]
     outcomes = collected(tmp_path, dict.fromkeys(cells(configuration(tasks=TASKS)), seeds))
     effects = beyond.effects(outcomes, TASKS)
-    tables = beyond.aggregates(outcomes, TASKS), beyond.profiles(outcomes, TASKS)
     figures = [
         beyond_figures.effects(effects, TASKS, "note"),
-        beyond_figures.aggregates(*tables, "note"),
+        beyond_figures.aggregates(beyond.aggregates(outcomes, TASKS), "note"),
+        beyond_figures.profiles(beyond.profiles(outcomes, TASKS), "note"),
         beyond_figures.efficiency(beyond.efficiency(outcomes), TASKS, "note"),
         beyond_figures.selection(beyond.selection(outcomes), TASKS, "note"),
     ]
