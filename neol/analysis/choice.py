@@ -1,7 +1,8 @@
 """Which of a budget's cells stands for a method on a task."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from statistics import fmean
 
 from neol.campaign import Cell, cells, paper_cells
 from neol.spec import Configuration
@@ -47,6 +48,17 @@ def candidates(
         if cell.method in chosen_by.methods and is_candidate:
             chosen.setdefault(place, []).append(cell)
     return chosen
+
+
+def choose(values: Mapping[Cell, Sequence[float]], complete: Collection[Cell]) -> Cell | None:
+    """The best of some cells by their runs' values, among those that have all their seeds.
+
+    A single cell is taken as it is; None where there is none, or none is complete.
+    """
+    if len(values) == 1:
+        return next(iter(values))
+    means = {cell: fmean(runs) for cell, runs in values.items() if cell in complete}
+    return best(means) if means else None
 
 
 def best(means: Mapping[Cell, float]) -> Cell:

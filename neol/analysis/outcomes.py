@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from neol.analysis.choice import SETTINGS, best, candidates
+from neol.analysis.choice import SETTINGS, candidates, choose
 from neol.analysis.runs import Campaign
 from neol.analysis.score import mean_best_so_far
 from neol.campaign import Cell, cells
@@ -60,17 +60,10 @@ class Outcomes:
         return [cell for cell in self.cells if cell.task == task and cell.method in methods]
 
     def chosen(self, setting: str, task: str, method: str) -> Cell | None:
-        """The cell that stands for a method on a task: the highest mean of the complete ones.
-
-        A single candidate is taken as it is; None where the budget has none, or none is complete.
-        """
-        among = self.candidates[setting].get((task, method), [])
-        if len(among) == 1:
-            return among[0]
-        complete = [cell for cell in among if not self.missing(cell)]
-        if not complete:
-            return None
-        return best({cell: self.mean(cell, SETTINGS[setting].metric) for cell in complete})
+        """The cell that stands for a method on a task; None if there is none, or none complete."""
+        metric, among = SETTINGS[setting].metric, self.candidates[setting].get((task, method), [])
+        values = {cell: self.values(cell, metric).tolist() for cell in among}
+        return choose(values, [cell for cell in among if not self.missing(cell)])
 
     @cached_property
     def _by_cell(self) -> dict[Cell, pd.DataFrame]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from neol.analysis import reference
-from neol.analysis.choice import SETTINGS, best, candidates
+from neol.analysis.choice import SETTINGS, candidates, choose
 from neol.analysis.runs import Campaign
 from neol.analysis.table import Emphasis as Rank
 from neol.campaign import Cell, paper_cells
@@ -85,18 +85,15 @@ def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSum
     runs = {cell: campaign.runs(cell) for cell in cells}
     metric, table = SETTINGS[setting].metric, SETTINGS[setting].paper_table
     values = {cell: list(campaign.values(cell, metric).values()) for cell in cells}
-    complete = [cell for cell in cells if not runs[cell].missing]
-    incomplete = ""
-    if len(cells) == 1:
-        (cell,) = cells
-        if not complete:
-            incomplete = f"without seeds {', '.join(map(str, runs[cell].missing))}"
-    elif complete:
-        cell = best({each: mean_sd(values[each])[0] for each in complete})
-        if len(complete) < len(cells):
-            incomplete = f"chosen among the {len(complete)} of {len(cells)} cells that are complete"
-    else:
+    complete = [each for each in cells if not runs[each].missing]
+    cell = choose(values, complete)
+    if cell is None:
         return OwnSummary(incomplete=f"none of {len(cells)} cells is complete")
+    incomplete = ""
+    if runs[cell].missing:
+        incomplete = f"without seeds {', '.join(map(str, runs[cell].missing))}"
+    elif len(complete) < len(cells):
+        incomplete = f"chosen among the {len(complete)} of {len(cells)} cells that are complete"
     mean, sd = mean_sd(values[cell])
     from_paper = table is not None and cell in paper_cells(campaign.configuration, table).values()
     return OwnSummary(

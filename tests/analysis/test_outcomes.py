@@ -7,6 +7,7 @@ import pytest
 
 from neol.analysis.outcomes import METRICS, Outcomes, equal_range, gather
 from neol.analysis.runs import Campaign
+from neol.analysis.summary import best_fitness
 from neol.campaign import Cell
 from tests.analysis.made_up import configuration, write_campaign
 
@@ -64,3 +65,15 @@ def test_the_chosen_cell_is_the_best_of_its_setting(tmp_path: Path) -> None:
     assert outcomes.chosen("score", "cartpole", "oja") == OJA  # of the largest population
     assert outcomes.chosen("table3", "cartpole", "neat_wo") is None
     assert outcomes.chosen("table4", "cartpole", "neat_wo") is not None
+
+
+def test_tables_and_claims_choose_the_same_cell(tmp_path: Path) -> None:
+    """Equal exact means, of which rounded sums would tell one higher: the smaller rate wins."""
+    constants = configuration(seeds=4)
+    low, high = (Cell("cartpole", "oja", 6, rate) for rate in (0.0025, 0.25))
+    values = {low: [1e16, 1.0, -1e16, 1.0], high: [1.0, 1.0, 0.0, 0.0]}
+    write_campaign(tmp_path, constants, values)
+    campaign = Campaign(constants, tmp_path)
+    (shown,) = (each.here for each in best_fitness(campaign) if each.method == "oja")
+    chosen = gather(campaign).chosen("table3", "cartpole", "oja")
+    assert chosen == low == Cell("cartpole", "oja", shown.population, shown.learning_rate)
