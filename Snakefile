@@ -21,7 +21,8 @@ FIGURES = "figures" if BUDGET == DEFAULT_BUDGET else f"figures/{BUDGET}"
 TABLE, FIGURE = ("tex", "csv", "json"), ("pdf", "png", "json")
 DRAWING = {"style", "drawing", "figures", "paper_figures", "beyond_figures"}
 
-# The Python of this environment, also where it is not activated.
+# The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
+# `snakemake --lint` asks of each rule.
 shell.prefix(
     f"set -euo pipefail; export PATH='{Path(sys.executable).parent}':\"$PATH\"; "
 )
@@ -270,9 +271,10 @@ for notebook, (made, records, modules) in NOTEBOOKS.items():
             budget=BUDGET,
             output=f"../{FIGURES}",
         shell:
-            "(python -m papermill --cwd notebooks -p budget {params.budget} -p results ../results "
+            "(python -m papermill --no-progress-bar --log-output --cwd notebooks -p budget {params.budget} -p results ../results "
             "-p output {params.output} {input.notebook} {output.notebook} && "
-            "python -m nbconvert --to html {output.notebook}) > {log} 2>&1"
+            "python -m nbconvert --to html {output.notebook}) > {log} 2>&1; "
+            "(grep '^neol: ' {log} || true) >&2"
 
 
 rule elsewhere:

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ import yaml
 
 from neol.analysis.choice import candidates
 from neol.campaign import blocks
+from neol.records import read_record, write_record
 from neol.spec import load_configuration
 from tests.workflow.clone import fresh_clone, planned, snakemake
 
@@ -95,6 +97,18 @@ def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
         assert planned(clone, "records") == {"run": others + 1}
         with aside(clone / "figures"):
             assert planned(clone, TARGET) == {"run": 1, "tables_notebook": 1}
+
+
+def test_a_missing_seed_is_said_on_the_console(clone: Path) -> None:
+    path, cell = next(iter(RECORDS.items()))
+    with aside(clone / path), aside(clone / "figures"):
+        record = read_record((clone / path).with_name(f"{path.name}.aside"))
+        last = record.seeds[-1].seed
+        kept = record.table.filter(record.table["seed"].to_numpy() < last)
+        write_record(clone / path, replace(record, table=kept, seeds=record.seeds[:-1]))
+        result = snakemake(clone, TARGET)
+    assert result.returncode == 0, result.stderr
+    assert f"neol: {cell.folder}: no record of seeds {last}" in result.stderr.splitlines()
 
 
 def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
