@@ -1,14 +1,13 @@
 """How much each constant that the paper leaves open matters, against the baseline's runs."""
 
 import hashlib
-import math
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from neol.analysis.runs import Source
-from neol.analysis.statistics import Floats, estimate, superiority
+from neol.analysis.statistics import Floats, estimate
 from neol.campaign import RESULTS
 from neol.records import read_record
 from neol.sensitivity import BASELINE, Trial, trials, variants
@@ -18,12 +17,16 @@ from neol.spec import Configuration
 def sensitivity(
     configuration: Configuration, results: Path = RESULTS, seed: int = 0
 ) -> tuple[pd.DataFrame, tuple[Source, ...]]:
-    """Final best fitness of each variant: mean, and A12 against the baseline with interval.
+    """Held-out return of each variant's champions: mean, and the baseline's runs beaten.
 
-    A row for each variant, task and method; runs that are not there give NaN. And their records.
+    The training maximum would not do: a variant can change what it measures (N). A variant's run
+    shares its seed with one of the baseline, so `a12` is of these pairs: the share in which the
+    variant's ends higher, ties half, with the interval of a bootstrap over pairs. Runs that are the
+    same give exactly 1/2. `difference` is the pairs' mean difference. A row for each variant, task
+    and method; runs that are not there give NaN. And the records.
     """
     random = np.random.default_rng(seed)
-    samples: dict[tuple[str, str, str], Floats] = {}
+    samples: dict[tuple[str, str, str], pd.Series[float]] = {}
     sources: list[Source] = []
     rows = []
     for name in variants():
@@ -31,14 +34,13 @@ def sensitivity(
             sample, source = _read(trial, results)
             samples[name, trial.task, trial.method] = sample
             sources += source
-            a12 = estimate(
-                superiority, [sample, samples[BASELINE, trial.task, trial.method]], random
-            )
-            mean = float(sample.mean()) if len(sample) else math.nan
-            rows.append(
-                (name, trial.task, trial.method, len(sample), mean, a12.value, a12.low, a12.high)
-            )
-    columns = ["variant", "task", "method", "seeds", "mean", "a12", "low", "high"]
+            pairs = sample - samples[BASELINE, trial.task, trial.method]  # aligned by seed
+            pairs = pairs.dropna()
+            a12 = estimate(_mean, [(np.sign(pairs.to_numpy()) + 1) / 2], random)
+            values = a12.value, a12.low, a12.high
+            place = name, trial.task, trial.method, len(sample)
+            rows.append((*place, sample.mean(), *values, pairs.mean()))
+    columns = ["variant", "task", "method", "seeds", "mean", "a12", "low", "high", "difference"]
     return pd.DataFrame(rows, columns=columns), tuple(sources)
 
 
@@ -53,18 +55,22 @@ def describe_trials(configuration: Configuration) -> str:
     )
 
 
-def _read(trial: Trial, results: Path) -> tuple[Floats, list[Source]]:
-    """A trial's final best fitness by seed, and its record; nothing where there is none."""
+def _read(trial: Trial, results: Path) -> tuple["pd.Series[float]", list[Source]]:
+    """The held-out mean of a trial's champions by seed, and its record; none without one."""
     below = trial.record.relative_to(RESULTS)
     path = results / below
     if not path.exists():
-        return np.array([]), []
+        return pd.Series(dtype=np.float64), []
     record = read_record(path, trial.spec)
-    final = record.table.to_pandas().groupby("seed")["best_fitness"].last()
+    held_out = {info.seed: info.held_out.mean for info in record.seeds}
     source = Source(
         path=str(Path(results.resolve().name, below)),
         sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
         spec=record.spec_digest,
         runs={info.seed: info.digest for info in record.seeds},
     )
-    return final.to_numpy(dtype=np.float64), [source]
+    return pd.Series(held_out, dtype=np.float64), [source]
+
+
+def _mean(sample: Floats) -> Floats:
+    return np.asarray(sample.mean(axis=-1))
