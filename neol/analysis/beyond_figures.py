@@ -90,7 +90,11 @@ def profiles(table: pd.DataFrame, note: str) -> Figure:
         axis.set_ylim(-0.02, 1.02)
         handles, names = axis.get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper center", ncols=5)
-        footer(figure, f"{note} Bands: 95% intervals (stratified bootstrap).")
+        explanation = "Bands: 95% intervals (stratified bootstrap)."
+        below = 1 - table.loc[table["threshold"] == table["threshold"].min(), "share"]
+        if (below > 0).any():
+            explanation += f" Left of the axis: up to {below.max():.0%} of a method's runs."
+        footer(figure, f"{note} {explanation}")
     return figure
 
 
@@ -156,7 +160,11 @@ def selection(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
         axes[0].set_ylabel("Training maximum\n− held-out mean (return)")
         handles, names = axes[0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper center", ncols=5)
-        footer(figure, f"{note} Means over learning rates, then seeds, with 95% intervals.")
+        explanation = "Means over learning rates, then seeds, with 95% intervals."
+        without = table["without_value"].sum()
+        if without:
+            explanation += f" Left out: {without} runs whose champion failed in all fresh episodes."
+        footer(figure, f"{note} {explanation}")
     return figure
 
 
