@@ -12,7 +12,11 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
   is below it too.
 - undecided otherwise, and where a cell is not in the budget, lacks seeds (or one does that it was
   chosen among), or has fewer than 5. A claim of no significant difference is about the two-sided
-  test, and no fewer seeds than the paper's 30 bear it out.
+  test, and no fewer seeds than the paper's 30 bear it out. Fewer generations than the paper's 500
+  contradict no level that more could still reach; comparisons they do, at this budget.
+
+Claims overlap: several rest on the same runs and comparisons, so their numbers are no count of
+independent findings.
 """
 
 import json
