@@ -169,7 +169,7 @@ def selection(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
 
 
 def sensitivity(table: pd.DataFrame, tasks: Sequence[str], seeds: int, note: str) -> Figure:
-    """A12 of each variant against the baseline, with its interval; one column for each task.
+    """How often a variant beats the baseline's run of a seed, with interval; a column for a task.
 
     A trial that lacks some of its `seeds` says how many it has.
     """
@@ -192,7 +192,7 @@ def sensitivity(table: pd.DataFrame, tasks: Sequence[str], seeds: int, note: str
             axis.tick_params(axis="y", length=0)
         axes[0].set_yticks([-position for position in range(len(names))], names)
         axes[len(axes) // 2].set_xlabel(
-            "Probability that a run ends higher than the baseline's (A12)"
+            "Share of seeds whose champion is above the baseline's in fresh episodes"
         )
         _legend(figure, _methods(table))
         lacking = int((table["seeds"] < seeds).sum())
