@@ -21,8 +21,6 @@ from neol.spec import Model
 Metric = Literal["final_best", "score", "equal_evaluations", "equal_steps", "held_out"]
 Setting = Literal["table3", "table4", "score"]
 Methods = tuple[Literal["bcm", "hebb", "oja", "neat", "neat_wo"], ...]
-Size = int | Literal["smallest", "largest"]
-Rate = float | Literal["smallest", "largest"]
 
 DIFFERENCES: dict[str, Effect] = {
     "mean": statistics.mean_difference,
