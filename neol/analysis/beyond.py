@@ -92,7 +92,7 @@ def effects(outcomes: Outcomes, tasks: Sequence[str], seed: int = 0) -> pd.DataF
                 }
             )
     frame = pd.DataFrame(rows)
-    frame["p_holm"] = holm(frame["p"].tolist())
+    frame["p_holm_family"] = holm(frame["p"].tolist())
     return frame
 
 
