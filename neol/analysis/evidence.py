@@ -71,8 +71,9 @@ class Compare(Model):
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
         """One for each task and method."""
         effect = signed(DIFFERENCES[self.statistic], self.direction)
-        unit = "share of runs" if self.statistic == "low_outliers" else METRICS[self.metric]
+        outliers = self.statistic == "low_outliers"
         for task, method in product(self.tasks, self.methods):
+            unit = "share of runs" if outliers else outcomes.unit(self.metric, task)
             cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             label = f"{task}: {self.statistic} of {method} {self.direction} than {self.against}"
             yield Part(label, unit, cells, self.metric, effect, among)

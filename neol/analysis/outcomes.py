@@ -1,7 +1,7 @@
 """What every run of a budget came to: one row a run, from which all statistics are made."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -41,6 +41,15 @@ class Outcomes:
     seeds: int
     """How many each cell should have."""
     generations: int
+    equal: Mapping[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
+    """By task and measure at equal cost: the range of its mean, common to all runs of the task."""
+
+    def unit(self, metric: str, task: str) -> str:
+        """What a metric is called, with the range that it is a mean over."""
+        if (task, metric) not in self.equal:
+            return METRICS[metric]
+        first, last = self.equal[task, metric]
+        return f"{METRICS[metric]} ({first:.0f} to {last:.0f})"
 
     def values(self, cell: Cell, metric: str) -> Floats:
         """The runs of a cell, by seed."""
@@ -87,9 +96,11 @@ def gather(campaign: Campaign) -> Outcomes:
         ]
     columns = ["task", "method", "population", "learning_rate", "seed", *_OWN]
     runs = pd.DataFrame(rows, columns=columns).astype({"learning_rate": np.float64})
+    equal = {}
     for task in configuration.budget.tasks:
         here = [cell for cell in grid if cell.task == task]
         for metric, column in _EQUAL.items():
+            equal[task, metric] = equal_range(campaign, here, column)
             runs.loc[runs["task"] == task, metric] = _at_equal(campaign, here, column)
     return Outcomes(
         runs,
@@ -97,6 +108,7 @@ def gather(campaign: Campaign) -> Outcomes:
         {setting: candidates(configuration, setting) for setting in SETTINGS},
         configuration.budget.seeds,
         configuration.budget.generations,
+        equal,
     )
 
 

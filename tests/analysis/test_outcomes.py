@@ -50,6 +50,12 @@ def test_the_range_that_all_have(tmp_path: Path) -> None:
     assert np.isnan(equal_range(campaign, [], "env_steps")).all()
 
 
+def test_the_range_is_part_of_the_unit(tmp_path: Path) -> None:
+    outcomes = collected(tmp_path, {})
+    assert outcomes.unit("equal_evaluations", "cartpole").endswith("evaluations (12 to 18)")
+    assert outcomes.unit("score", "cartpole") == "SCORE"
+
+
 def test_missing_seeds_are_counted_and_such_a_cell_is_not_chosen(tmp_path: Path) -> None:
     outcomes = collected(tmp_path, {OJA: [9.0, None, 9.0], NEAT: [None, None, None]})
     assert (outcomes.missing(OJA), outcomes.missing(NEAT)) == (1, 3)
