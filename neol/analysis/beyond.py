@@ -13,8 +13,9 @@ import numpy as np
 import pandas as pd
 
 from neol.analysis import reference
-from neol.analysis.outcomes import Floats, Outcomes
+from neol.analysis.outcomes import Outcomes
 from neol.analysis.statistics import (
+    Floats,
     bootstrap,
     estimate,
     holm,

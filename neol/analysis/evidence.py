@@ -13,8 +13,8 @@ import numpy as np
 from pydantic import Field
 
 from neol.analysis import statistics
-from neol.analysis.outcomes import METRICS, Floats, Outcomes
-from neol.analysis.statistics import Effect, superiority
+from neol.analysis.outcomes import METRICS, Outcomes
+from neol.analysis.statistics import Effect, Floats, superiority
 from neol.campaign import Cell
 from neol.spec import Model
 

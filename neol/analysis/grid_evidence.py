@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from neol.analysis.evidence import Methods, Metric, Part, Setting, chosen, signed
-from neol.analysis.outcomes import METRICS, Floats, Outcomes
-from neol.analysis.statistics import mean_difference, superiority
+from neol.analysis.outcomes import METRICS, Outcomes
+from neol.analysis.statistics import Floats, mean_difference, superiority
 from neol.campaign import Cell
 from neol.spec import Model
 

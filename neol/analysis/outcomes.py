@@ -5,15 +5,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from neol.analysis.choice import SETTINGS, candidates, choose
 from neol.analysis.runs import Campaign
 from neol.analysis.score import mean_best_so_far
+from neol.analysis.statistics import Floats
 from neol.campaign import Cell, cells
-
-Floats = npt.NDArray[np.float64]
 
 METRICS = {
     "final_best": "final best fitness",
