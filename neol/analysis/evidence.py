@@ -56,17 +56,22 @@ class Part:
     """Whether more generations could bring it about: fewer than the paper's contradict nothing."""
 
 
-class Compare(Model):
-    """A statistic of each method against another method, each in its cell of a setting."""
+class Pairing(Model):
+    """Methods against another method on some tasks, each in its cell of a setting."""
 
-    kind: Literal["compare"]
-    statistic: Literal["mean", "median", "sd", "iqr", "low_outliers"]
-    direction: Literal["higher", "lower"]
     metric: Metric
     setting: Setting
     tasks: tuple[str, ...]
     methods: Methods
     against: str
+
+
+class Compare(Pairing):
+    """A statistic of each method against another method, each in its cell of a setting."""
+
+    kind: Literal["compare"]
+    statistic: Literal["mean", "median", "sd", "iqr", "low_outliers"]
+    direction: Literal["higher", "lower"]
 
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
         """One for each task and method."""
@@ -79,15 +84,10 @@ class Compare(Model):
             yield Part(label, unit, cells, self.metric, effect, among)
 
 
-class Significant(Model):
+class Significant(Pairing):
     """Each method's one-sided rank-sum test against another method."""
 
     kind: Literal["significant", "not_significant"]
-    metric: Metric
-    setting: Setting
-    tasks: tuple[str, ...]
-    methods: Methods
-    against: str
 
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
         """One for each task and method."""
