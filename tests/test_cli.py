@@ -17,7 +17,8 @@ from typer.testing import CliRunner, Result
 
 from neol import cli
 from neol import run as runs
-from neol.cli import app, parse_seeds
+from neol.cli import app
+from neol.cli.run import parse_seeds
 from neol.errors import UserError
 from neol.evolution import Generation
 from neol.progress import Progress
@@ -168,7 +169,7 @@ def test_help_needs_nothing_heavy() -> None:
         "heavy = {'numpy', 'numba', 'gymnasium', 'mujoco', 'pyarrow', 'pandas', 'matplotlib'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
     )
-    root = Path(cli.__file__).parent.parent
+    root = Path(cli.__file__).parents[2]
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, cwd=root)
 
 
@@ -289,7 +290,7 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def start(arguments: str, folder: Path) -> subprocess.Popen[str]:
-    root = Path(cli.__file__).parent.parent
+    root = Path(cli.__file__).parents[2]
     return subprocess.Popen(
         [sys.executable, "-m", "neol", *shlex.split(arguments)],
         cwd=folder,

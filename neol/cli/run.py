@@ -1,90 +1,26 @@
-"""The command line. Heavy modules are imported by the commands that need them."""
+"""`neol run`: one configuration, one or several seeds, one record."""
 
 import contextlib
 import re
 import signal
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 import typer
-from typer.core import TyperGroup
 
+from neol.cli.application import DEFAULT_BUDGET, Budget, Overrides, app, complain, examples
 from neol.errors import UserError
 
 if TYPE_CHECKING:
     from neol.records import Record
 
 MAX_SEEDS = 10_000
-DEFAULT_BUDGET = "paper"
-"""Its constants are those of config/base.yaml."""
-
-
-class Commands(TyperGroup):
-    """Ends in one line and exit code 2 for whatever is wrong with the input."""
-
-    def main(self, *args: Any, **extra: Any) -> NoReturn:
-        """Run a command and exit."""
-        extra["standalone_mode"] = False
-        try:
-            status = super().main(*args, **extra)
-        except UserError as error:
-            _complain(str(error))
-            status = 2
-        except typer.TyperException as error:
-            _complain(f"{error.format_message()} (neol COMMAND --help says more)")
-            status = error.exit_code
-        sys.exit(status or 0)
-
-
-app = typer.Typer(
-    cls=Commands,
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    epilog="Exit codes: 0 done, 1 a bug of ours, 2 wrong input, 130 interrupted, 143 terminated.",
-)
-
-
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        from neol.provenance import package_version
-
-        print(f"neol {package_version('neol') or '(not installed)'}")
-        raise typer.Exit
-
-
-@app.callback(invoke_without_command=True)
-def neol(
-    context: typer.Context,
-    version: Annotated[  # noqa: ARG001
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Its number.")
-    ] = False,
-) -> None:
-    """NEOL: NEAT with reward-gated online plasticity, reproduced from seeded runs."""
-    if context.invoked_subcommand is None:
-        print(context.get_help())
-
-
-def _examples(*lines: str) -> str:
-    """An epilog whose lines stay as they are."""
-    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
-
-
-Budget = Annotated[
-    str | None,
-    typer.Option(help="Whose constants hold: a file of config/, like desk."),
-]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Any other constant; may be repeated."),
-]
 
 
 @app.command(
-    epilog=_examples(
+    epilog=examples(
         "neol run --task cartpole --method neat --population 50 --generations 10 \\",
         "    --output a.parquet",
         "neol run --task hopper --method oja --population 50 --learning-rate 0.0025 \\",
@@ -183,66 +119,6 @@ def run(
         _summarise(output, record, finished)
 
 
-@app.command(epilog=_examples("neol digest a.parquet"))
-def digest(record: Annotated[Path, typer.Argument(help="A record.")]) -> None:
-    """Print each seed of a record and the digest of its trajectory."""
-    from neol.records import read_record
-
-    for info in read_record(record).seeds:
-        print(info.seed, info.digest)
-
-
-@app.command(epilog=_examples("neol trace figures/table1.tex"))
-def trace(output: Annotated[Path, typer.Argument(help="A table or figure.")]) -> None:
-    """Print what made a table or figure: command, commit, records, runs."""
-    from neol.trace import trace
-
-    for line in trace(output):
-        print(line)
-
-
-@app.command(
-    epilog=_examples(
-        "neol config --budget desk", "neol config --set neat.elitism=3", "neol config --schema"
-    )
-)
-def config(
-    budget: Budget = None,
-    overrides: Overrides = None,
-    schema: Annotated[
-        bool, typer.Option("--schema", help="Print the JSON schema of a configuration file.")
-    ] = False,
-) -> None:
-    """Print a budget's resolved configuration as YAML."""
-    import json
-
-    import yaml
-
-    from neol import spec
-
-    if schema:
-        print(json.dumps(spec.schema(), indent=2))
-        return
-    configuration = spec.load_configuration(budget or DEFAULT_BUDGET, overrides or [])
-    content = configuration.model_dump(
-        mode="json", exclude={"tasks": {"__all__": {"name"}}, "budget": {"name"}}
-    )
-    print(yaml.safe_dump(content, sort_keys=False), end="")
-
-
-@app.command(
-    add_help_option=False,  # its options are those of benchmarks.run, which has a help of its own
-    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-)
-def bench(context: typer.Context) -> None:
-    """Measure every engine beside physics and a peer, in a checkout."""
-    try:
-        from benchmarks.run import main
-    except ModuleNotFoundError as error:
-        raise UserError(f"no module {error.name}: benchmarks run in a checkout") from None
-    main(context.args)
-
-
 def parse_seeds(text: str) -> list[int]:
     """The seeds of "3", "0-4" or "0,3,7-9", sorted. Raises UserError."""
     seeds: list[int] = []
@@ -282,7 +158,7 @@ def _interruptible(output: Path) -> Iterator[None]:
             else "no generation was done yet, so nothing is kept"
         )
         terminated = isinstance(stop, Terminated)
-        _complain(f"{'terminated' if terminated else 'interrupted'}: {way_on}")
+        complain(f"{'terminated' if terminated else 'interrupted'}: {way_on}")
         raise typer.Exit(143 if terminated else 130) from None
     finally:
         signal.signal(signal.SIGTERM, before)
@@ -298,7 +174,3 @@ def _summarise(output: Path, record: "Record", finished: bool) -> None:
             f"seed {info.seed}: best {info.champion.fitness:.1f}, champion in "
             f"{len(held_out.returns)} held-out episodes {mean}{spread}, digest {info.digest}"
         )
-
-
-def _complain(line: str) -> None:
-    print(f"neol: {line}", file=sys.stderr)
