@@ -254,20 +254,49 @@ def read_record(path: Path, spec: RunSpec | None = None) -> Record:
     content = read_bounded(path, MAX_BYTES)
     try:
         text, table = _parse(content)
-        version = pydantic_core.from_json(text)["schema_version"]
     except Exception as error:  # whatever a foreign file makes a parser raise
-        raise _unusable(path, f"damaged or no record of neol's: {error}") from None
+        raise _no_record(path, error) from None
+    stored = _stored_spec(path, text)
+    if spec is not None and (difference := first_difference(stored, spec)):
+        raise _unusable(path, f"of another specification: {difference}")
+    try:
+        return _validated(text, table)
+    except Exception as error:
+        raise _unusable(path, f"damaged: {error}") from None
+
+
+def read_spec(path: Path) -> dict[str, Any]:
+    """The specification, without its seed, that a record's footer states, in a millisecond.
+
+    Neither rows nor digests are looked at: `read_record` does that. Raises UserError for what is
+    no record of this version.
+    """
+    try:
+        text = _text(pq.read_metadata(path))
+    except Exception as error:
+        raise _no_record(path, error) from None
+    return _stored_spec(path, text)
+
+
+def first_difference(stored: dict[str, Any], expected: RunSpec) -> str | None:
+    """Where a stored specification differs from another (seeds aside); None where they agree."""
+    return _first_difference(stored, _without_seed(expected))
+
+
+def _stored_spec(path: Path, text: bytes) -> dict[str, Any]:
+    try:
+        content = pydantic_core.from_json(text)
+        version, spec = content["schema_version"], dict(content["spec"])
+    except Exception as error:
+        raise _no_record(path, error) from None
     if version != SCHEMA_VERSION:
         reason = f"its schema version is {version!r}, this neol reads {SCHEMA_VERSION}"
         raise _unusable(path, reason, "read it with the neol that wrote it, or run anew")
-    try:
-        record = _validated(text, table)
-    except Exception as error:
-        raise _unusable(path, f"damaged: {error}") from None
-    if spec is not None and record.spec_digest != _spec_digest(spec):
-        difference = _first_difference(_without_seed(record.spec), _without_seed(spec))
-        raise _unusable(path, f"of another specification: {difference}")
-    return record
+    return spec
+
+
+def _no_record(path: Path, error: Exception) -> UserError:
+    return _unusable(path, f"damaged or no record of neol's: {error}")
 
 
 def _unusable(
@@ -279,18 +308,23 @@ def _unusable(
 def _parse(content: bytes) -> tuple[bytes, pa.Table]:
     """The metadata's JSON and the rows, vouched for by their digest."""
     file = pq.ParquetFile(pa.BufferReader(content))
-    metadata = file.metadata.metadata or {}
-    if b"neol" not in metadata:
-        raise ValueError("its metadata have no key neol")
+    text = _text(file.metadata)
     if not file.schema_arrow.equals(SCHEMA):
         raise ValueError("its columns are others")
     if file.metadata.num_rows > MAX_ROWS:
         raise ValueError(f"it has more than {MAX_ROWS} rows")
     table = file.read().combine_chunks()
-    text = metadata[b"neol"]
-    if _digest(text, table).encode() != metadata.get(b"neol_digest"):
+    if _digest(text, table).encode() != file.metadata.metadata.get(b"neol_digest"):
         raise ValueError("its content does not match its digest")
     return text, table.replace_schema_metadata(None)
+
+
+def _text(footer: pq.FileMetaData) -> bytes:
+    metadata = footer.metadata or {}
+    if b"neol" not in metadata:
+        raise ValueError("its metadata have no key neol")
+    text: bytes = metadata[b"neol"]
+    return text
 
 
 def _validated(text: bytes, table: pa.Table) -> Record:
@@ -342,14 +376,19 @@ def _spec_digest(spec: RunSpec) -> str:
     return hashlib.sha256(_canonical(_without_seed(spec))).hexdigest()
 
 
-def _first_difference(stored: dict[str, Any], expected: dict[str, Any], prefix: str = "") -> str:
+def _first_difference(
+    stored: dict[str, Any], expected: dict[str, Any], prefix: str = ""
+) -> str | None:
     for key in sorted(stored.keys() | expected.keys()):
         old, new = stored.get(key), expected.get(key)
-        if isinstance(old, dict) and isinstance(new, dict) and old != new:
-            return _first_difference(old, new, f"{prefix}{key}.")
-        if old != new:
-            return f"{prefix}{key} is {old!r} there and {new!r} here"
-    raise AssertionError("the specifications are equal")
+        if isinstance(old, dict) and isinstance(new, dict):
+            if difference := _first_difference(old, new, f"{prefix}{key}."):
+                return difference
+        elif (key in stored, repr(old)) != (key in expected, repr(new)):
+            there = repr(old) if key in stored else "missing"
+            here = repr(new) if key in expected else "unknown"
+            return f"{prefix}{key} is {there} there and {here} here"
+    return None
 
 
 def _canonical(content: Any) -> bytes:

@@ -3,6 +3,7 @@
 import dataclasses
 import hashlib
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -202,6 +203,38 @@ def test_another_specification_is_refused(path: Path, expected: RunSpec, differe
         UserError, match=rf"run\.parquet: of another specification: {difference}; restore it"
     ):
         read_record(path, expected)
+
+
+@pytest.mark.parametrize(
+    ("change", "difference"),
+    [
+        (dict.copy, None),
+        (lambda spec: spec.update(population=9), "population is 9 there and 8 here"),
+        (lambda spec: spec["evaluation"].update(episodes=1.0), "evaluation.episodes is 1.0 there"),
+        (lambda spec: spec["neat"].pop("elitism"), "neat.elitism is missing there and 2 here"),
+        (lambda spec: spec["evaluation"].pop("step_limit"), "evaluation.step_limit is missing"),
+        (lambda spec: spec.update(new=1), "new is 1 there and unknown here"),
+    ],
+)
+def test_the_specification_is_in_the_footer(
+    path: Path, change: Callable[[Json], object], difference: str | None
+) -> None:
+    forge(path, lambda metadata, _: change(metadata["spec"]))
+    found = records.first_difference(records.read_spec(path), SPEC.model_copy(update={"seed": 99}))
+    assert found == difference or (difference and found and found.startswith(difference))
+    if difference:
+        with pytest.raises(UserError, match=re.escape(f"another specification: {difference}")):
+            read_record(path, SPEC)
+
+
+def test_what_has_no_specification_is_refused(path: Path) -> None:
+    forge(path, _other_version)
+    with pytest.raises(UserError, match="its schema version is 2"):
+        records.read_spec(path)
+    for content in (b"", b"PAR1", path.read_bytes()[:-9]):
+        path.write_bytes(content)
+        with pytest.raises(UserError, match=r"run\.parquet: damaged or no record"):
+            records.read_spec(path)
 
 
 def forge(path: Path, change: Callable[[Json, Json], None]) -> None:
