@@ -20,7 +20,6 @@ from neol import run as runs
 from neol.cli import app
 from neol.cli.run import parse_seeds
 from neol.errors import UserError
-from neol.evolution import Generation
 from neol.progress import Progress
 from neol.records import read_record
 from neol.spec import RunSpec, load_configuration
@@ -334,42 +333,6 @@ def test_piped_output_is_plain_lines(tmp_path: Path) -> None:
     assert last.startswith("seed 1 (2 of 2)  generation 3/3  best ")
     assert last.endswith(" steps/s  0:00 left")
     assert stdout.startswith("a.parquet: written\n")
-
-
-# --- Progress -----------------------------------------------------------------------------------
-
-
-def generation(number: int, env_steps: int) -> Generation:
-    return Generation(number, 200.0, 51.25, 1.0, 8, env_steps, 3, 2.0, 8.0, 2, 8, 0.0, 0)
-
-
-def test_progress_lines(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    clock = iter([100.0, 102.0, 104.0, 106.0])
-    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
-    with Progress([3, 8], 3) as progress:
-        progress(3, generation(1, 500))
-        progress(3, generation(2, 2500))  # 2 s after the first: not shown
-        progress(3, generation(3, 4500))  # nor this
-        progress(8, generation(1, 2000))
-    assert capsys.readouterr().err.splitlines() == [
-        "seed 3 (1 of 2)  generation 1/3  best 200.0  mean 51.2  species 3",
-        "seed 8 (2 of 2)  generation 1/3  best 200.0  mean 51.2  species 3  "
-        "1,000 steps/s  0:04 left",
-    ]
-
-
-def test_the_last_line_always_comes(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    clock = iter([100.0, 102.0])
-    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
-    with Progress([3], 5) as progress:
-        progress(3, generation(1, 500))
-        progress(3, generation(2, 900))
-    _, last = capsys.readouterr().err.splitlines()
-    assert last.endswith("generation 2/5  best 200.0  mean 51.2  species 3  200 steps/s  0:06 left")
 
 
 def test_bench_takes_the_options_of_the_benchmarks() -> None:
