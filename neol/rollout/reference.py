@@ -5,6 +5,8 @@ It runs any environment with a flat Box observation and a Discrete or Box action
 
 import math
 import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import gymnasium
@@ -13,21 +15,43 @@ import numpy.typing as npt
 
 from neol.errors import UserError
 from neol.network import Networks, forward
-from neol.plasticity import RULES, learn
+from neol.plasticity import NONE, RULES, learn
 from neol.rollout.engine import Rollouts
 from neol.spec import Plasticity, Task
 
 
-def make_environment(task: Task) -> gymnasium.Env[Any, Any]:
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One step of an episode, after learning. Its arrays go on changing: copy what is to stay."""
+
+    values: npt.NDArray[np.float64]
+    """float64[I + M]: the observation that was acted on, then the activities of the other nodes."""
+    action: Any
+    """As the environment got it."""
+    reward: float
+    weight: npt.NDArray[np.float64]
+    """float64[E]."""
+    threshold: npt.NDArray[np.float64]
+    """float64[M]."""
+
+
+Observer = Callable[[Step], None]
+
+
+def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.Env[Any, Any]:
     """A new Gymnasium environment of a task, limited to the task's steps.
 
     Raises UserError where the id is unknown or the spaces are not a network's.
     """
+    rendered = {} if render_mode is None else {"render_mode": render_mode}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*out of date.*", category=DeprecationWarning)
         try:
             environment = gymnasium.make(
-                task.environment, max_episode_steps=task.max_steps, disable_env_checker=True
+                task.environment,
+                max_episode_steps=task.max_steps,
+                disable_env_checker=True,
+                **rendered,
             )
         except (gymnasium.error.Error, ModuleNotFoundError) as error:
             reason = str(error).strip().splitlines()[0]
@@ -66,9 +90,10 @@ class ReferenceEngine:
 
     name = "reference"
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, render_mode: str | None = None) -> None:
         self._task = task
-        self._environment = make_environment(task)
+        self._render_mode = render_mode
+        self._environment = make_environment(task, render_mode)
 
     def evaluate(
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
@@ -88,8 +113,14 @@ class ReferenceEngine:
                 if not plasticity.write_back:
                     rollouts.weight[edges] = networks.weight[edges]
                 rollouts.threshold[nodes] = 0.0
-                seed = int(seeds[genome, episode])
-                total, steps = self._episode(networks, genome, seed, plasticity, rollouts)
+                total, steps = self._episode(
+                    networks,
+                    genome,
+                    int(seeds[genome, episode]),
+                    plasticity,
+                    rollouts.weight,
+                    rollouts.threshold,
+                )
                 rollouts.returns[genome, episode] = total
                 rollouts.steps[genome, episode] = steps
                 if math.isnan(total):
@@ -97,19 +128,61 @@ class ReferenceEngine:
                     break
         return rollouts
 
+    def watch(
+        self,
+        network: Networks,
+        seed: int,
+        plasticity: Plasticity,
+        observe: Observer,
+        plastic_steps: int | None = None,
+    ) -> float:
+        """One episode of a single network, step by step: its return, NaN if it failed.
+
+        The same episode as in `evaluate`, unless the network learns in its first steps only.
+        """
+        total, _ = self._episode(
+            network,
+            0,
+            seed,
+            plasticity,
+            network.weight.copy(),
+            np.zeros_like(network.bias),
+            observe,
+            plastic_steps,
+        )
+        return total
+
+    def render(self) -> Any:
+        """What the environment now looks like, in the engine's render mode."""
+        return self._environment.render()
+
     def _episode(
-        self, networks: Networks, genome: int, seed: int, plasticity: Plasticity, rollouts: Rollouts
+        self,
+        networks: Networks,
+        genome: int,
+        seed: int,
+        plasticity: Plasticity,
+        weight: npt.NDArray[np.float64],
+        threshold: npt.NDArray[np.float64],
+        observe: Observer | None = None,
+        plastic_steps: int | None = None,
     ) -> tuple[float, int]:
-        """One episode (Algorithm 2, lines 3-14): its return, NaN if it failed, and its steps."""
+        """One episode (Algorithm 2, lines 3-14): its return, NaN if it failed, and its steps.
+
+        Learns in place, in the first `plastic_steps` steps or in all.
+        """
         first, last = networks.node_offset[genome : genome + 2]
         values = np.empty(networks.inputs + last - first)
         rate = plasticity.learning_rate * plasticity.reward_scale
         if self._task.fresh_world:
             self._environment.close()
-            self._environment = make_environment(self._task)
+            self._environment = make_environment(self._task, self._render_mode)
         observation, _ = self._environment.reset(seed=seed)
+        rule = RULES[plasticity.rule]
         total, steps, done = 0.0, 0, False
         while not done:
+            if steps == plastic_steps:
+                rule = NONE
             if not np.isfinite(observation).all():
                 return math.nan, steps
             values[: networks.inputs] = observation
@@ -119,7 +192,7 @@ class ReferenceEngine:
                 networks.bias,
                 networks.edge_offset,
                 networks.source,
-                rollouts.weight,
+                weight,
                 networks.inputs,
                 networks.outputs,
                 networks.activation,
@@ -137,15 +210,17 @@ class ReferenceEngine:
                 last,
                 networks.edge_offset,
                 networks.source,
-                rollouts.weight,
-                rollouts.threshold,
+                weight,
+                threshold,
                 networks.inputs,
-                RULES[plasticity.rule],
+                rule,
                 rate * reward,
                 plasticity.threshold_rate,
                 plasticity.weight_limit,
                 values,
             )
+            if observe is not None:
+                observe(Step(values, action, reward, weight, threshold))
             if not (math.isfinite(total) and finite):
                 return math.nan, steps
         return total, steps

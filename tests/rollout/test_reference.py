@@ -7,7 +7,7 @@ import pytest
 
 from neol.errors import UserError
 from neol.rollout import make_engine
-from neol.rollout.reference import ReferenceEngine, make_environment, network_size
+from neol.rollout.reference import ReferenceEngine, Step, make_environment, network_size
 from neol.spec import Plasticity, Task, load_configuration
 from tests.networks import random_networks
 from tests.test_network import outputs_of
@@ -98,6 +98,30 @@ def test_write_back_carries_weights_from_episode_to_episode() -> None:
 
     assert (final_weight(False, [1, 2]) == final_weight(False, [2])).all()
     assert (final_weight(True, [1, 2]) != final_weight(False, [2])).any()
+
+
+def test_a_watched_episode_is_the_same_episode() -> None:
+    task = task_of("cartpole", max_steps=200)
+    network = random_networks(np.random.default_rng(7), 1, 4, 2)
+    engine, plasticity = ReferenceEngine(task), plasticity_of("bcm")
+    expected = engine.evaluate(network, np.array([[9]], dtype=np.uint64), plasticity)
+    watched: list[tuple[float, npt.NDArray[np.float64], npt.NDArray[np.float64]]] = []
+
+    def observe(step: Step) -> None:
+        watched.append((step.reward, step.weight.copy(), step.threshold.copy()))
+
+    assert engine.watch(network, 9, plasticity, observe) == expected.returns[0, 0]
+    rewards, weights, thresholds = zip(*watched, strict=True)
+    assert len(rewards) == expected.steps[0, 0]
+    assert sum(rewards) == expected.returns[0, 0]
+    assert (weights[-1] == expected.weight).all()
+    assert (thresholds[-1] == expected.threshold).all()
+
+    watched.clear()
+    engine.watch(network, 9, plasticity, observe, plastic_steps=5)
+    assert (watched[4][1] == weights[4]).all(), "learns in the first five steps"
+    assert (watched[-1][1] == weights[4]).all(), "and no longer"
+    assert (watched[-1][1] != weights[-1]).any()
 
 
 class Broken(gymnasium.Env[npt.NDArray[np.float32], int]):
