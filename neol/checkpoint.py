@@ -77,9 +77,7 @@ def load(path: Path, spec: RunSpec) -> tuple[Evolution, Cost]:
     """
     content = read_bounded(path, MAX_BYTES)
     try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as file:
-            if sum(member.file_size for member in file.zip.infolist()) > len(content):
-                raise ValueError("it would unpack to more than it is")
+        with _opened(content) as file:
             arrays = {name: file[name] for name in file.files}
         seal = arrays.pop("seal")
         if not np.array_equal(seal, _seal(arrays)):
@@ -100,6 +98,26 @@ def load(path: Path, spec: RunSpec) -> tuple[Evolution, Cost]:
             path, f"is at generation {evolution.generation}, {spec.generations} were asked for"
         )
     return evolution, Cost(meta["wall_seconds"], meta["cpu_seconds"])
+
+
+def generations(path: Path) -> int:
+    """How many generations a checkpoint holds, by its history alone, which is not verified.
+
+    0 where there is none, or it cannot be read.
+    """
+    try:
+        with _opened(read_bounded(path, MAX_BYTES)) as file:
+            return len(file[f"history_{COLUMNS[0]}"])
+    except Exception:
+        return 0
+
+
+def _opened(content: bytes) -> Any:
+    """An .npz file that is no larger unpacked than packed."""
+    file = np.load(io.BytesIO(content), allow_pickle=False)
+    if sum(member.file_size for member in file.zip.infolist()) > len(content):
+        raise ValueError("it would unpack to more than it is")
+    return file
 
 
 def _unusable(path: Path, reason: str) -> UserError:

@@ -182,6 +182,11 @@ class Record:
         """The specification of one of the runs."""
         return self.spec.model_copy(update={"seed": seed})
 
+    def rows_of(self, seed: int) -> dict[str, npt.NDArray[Any]]:
+        """The columns of one of the runs, a value each generation."""
+        mine = _values(self.table, "seed") == seed
+        return {name: _values(self.table, name)[mine] for name in COLUMNS}
+
     @property
     def spec_digest(self) -> str:
         """SHA-256 in hex of the specification without its seed."""
@@ -271,11 +276,21 @@ def read_spec(path: Path) -> dict[str, Any]:
     Neither rows nor digests are looked at: `read_record` does that. Raises UserError for what is
     no record of this version.
     """
+    return _stored_spec(path, _footer(path))
+
+
+def read_footer(path: Path, spec: RunSpec) -> Metadata:
+    """What a record's footer states of the runs of a specification (its seed aside), unverified.
+
+    Raises UserError for what is no record of this version, or of another specification.
+    """
+    text = _footer(path)
+    if difference := first_difference(_stored_spec(path, text), spec):
+        raise _unusable(path, f"of another specification: {difference}")
     try:
-        text = _text(pq.read_metadata(path))
+        return Metadata.model_validate_json(text)
     except Exception as error:
-        raise _no_record(path, error) from None
-    return _stored_spec(path, text)
+        raise _unusable(path, f"damaged: {error}") from None
 
 
 def first_difference(stored: dict[str, Any], expected: RunSpec) -> str | None:
@@ -293,6 +308,14 @@ def _stored_spec(path: Path, text: bytes) -> dict[str, Any]:
         reason = f"its schema version is {version!r}, this neol reads {SCHEMA_VERSION}"
         raise _unusable(path, reason, "read it with the neol that wrote it, or run anew")
     return spec
+
+
+def _footer(path: Path) -> bytes:
+    """The metadata's JSON; nothing else of the file is read."""
+    try:
+        return _text(pq.read_metadata(path))
+    except Exception as error:
+        raise _no_record(path, error) from None
 
 
 def _no_record(path: Path, error: Exception) -> UserError:

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import numpy.typing as npt
@@ -161,9 +162,14 @@ def partial_folder(output: Path) -> Path:
     return output.with_name(f"{output.name}.partial")
 
 
-def _finished(partial: Path, seed: int) -> Path:
-    """Where the record of a finished seed lies; beside it, as .npz, the checkpoint of one begun."""
+def finished_path(partial: Path, seed: int) -> Path:
+    """Where the record of a finished seed lies."""
     return partial / f"seed_{seed:06}.parquet"
+
+
+def checkpoint_path(partial: Path, seed: int) -> Path:
+    """Where the checkpoint of a seed that is under way lies."""
+    return finished_path(partial, seed).with_suffix(".npz")
 
 
 def _seed_record(
@@ -175,8 +181,8 @@ def _seed_record(
     on_generation: OnGeneration | None,
 ) -> Record:
     """The record of one seed: the finished one that is there, or a new one."""
-    finished = _finished(partial, spec.seed)
-    checkpoint = finished.with_suffix(".npz")
+    finished = finished_path(partial, spec.seed)
+    checkpoint = checkpoint_path(partial, spec.seed)
     if finished.exists():
         record = _same_seeds(read_record(finished, spec), [spec.seed], finished)
     else:
@@ -217,7 +223,7 @@ def _refuse_existing(output: Path, partial: Path) -> None:
 
 
 def _refuse_other_seeds(partial: Path, seeds: Sequence[int]) -> None:
-    ours = {_finished(partial, seed).stem for seed in seeds}
+    ours = {finished_path(partial, seed).stem for seed in seeds}
     others = sorted({path.stem for path in partial.glob("seed_*")} - ours)
     if others:
         raise UserError(
@@ -252,7 +258,7 @@ def _claim(partial: Path) -> Iterator[None]:
         ) from None
     with file:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _lock(file)
         except BlockingIOError:
             raise UserError(
                 f"{partial}: another process is running this; wait for it or choose another output"
@@ -264,3 +270,26 @@ def _claim(partial: Path) -> Iterator[None]:
         finally:
             if not any(partial.glob("seed_*")):
                 shutil.rmtree(partial, ignore_errors=True)
+
+
+def _lock(file: IO[str], patience: int = 3) -> None:
+    """Lock a file, or raise BlockingIOError; `is_running` holds it for an instant."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        if patience == 0:
+            raise
+        time.sleep(0.05)
+        _lock(file, patience - 1)
+
+
+def is_running(partial: Path) -> bool:
+    """Whether a process holds a block's folder; one that works where locks are missing does not."""
+    try:
+        with (partial / "lock").open() as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False

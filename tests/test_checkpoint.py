@@ -80,6 +80,15 @@ def test_resumed_after_any_generation_equals_uninterrupted(method: str, tmp_path
         assert state(finish(after)) == state(whole)
 
 
+def test_a_checkpoint_says_how_far_its_run_is(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    assert checkpoint.generations(path) == 0
+    checkpoint.save(path, started(run_spec(), 2), COST)
+    assert checkpoint.generations(path) == 2
+    path.write_bytes(path.read_bytes()[:-9])
+    assert checkpoint.generations(path) == 0
+
+
 def test_members_are_the_population_itself(tmp_path: Path) -> None:
     spec = run_spec()
     checkpoint.save(tmp_path / "run.npz", started(spec, 2), COST)
