@@ -61,12 +61,12 @@ $(READY): $(ENVIRONMENT) pyproject.toml $(CORE)
 	-@$(BIN)/python -m neol.rollout.box2d.build
 	@touch $@
 
-# uv resolves for every supported Python and system at once; connection-pool has no wheels.
+# uv resolves for every supported Python and system at once; connection-pool and rliable have no wheels.
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
 	.venv-lock/bin/pip install --quiet --disable-pip-version-check uv
 	.venv-lock/bin/uv pip compile pyproject.toml --upgrade --all-extras --universal --no-emit-index-url --no-annotate \
-	    --generate-hashes --only-binary :all: --no-binary connection-pool \
+	    --generate-hashes --only-binary :all: --no-binary connection-pool --no-binary rliable \
 	    --custom-compile-command 'make lock' --quiet --output-file environment.lock
 	rm -rf .venv-lock
 

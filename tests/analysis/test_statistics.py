@@ -1,5 +1,7 @@
 import csv
 import math
+from collections import Counter
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from neol.analysis.statistics import (
+    bootstrap,
     estimate,
     holm,
     interquartile_mean,
@@ -224,18 +227,37 @@ class TestPower:
         assert 0.74 < np.mean(found) < 0.86
 
 
-class TestAgainstRliable:
-    """Agarwal et al.'s own package, where it is installed."""
+class TestByBruteForce:
+    """Everything that could have happened, counted."""
 
-    def test_point_estimates(self) -> None:
-        metrics = pytest.importorskip("rliable.metrics")
-        x, y = random(1).normal(size=(12, 4)), random(2).normal(0.3, 1, size=(12, 4))
-        assert interquartile_mean(*x.T) == pytest.approx(metrics.aggregate_iqm(x))
-        pairs = [column for pair in zip(x.T, y.T, strict=True) for column in pair]
-        assert mean_superiority(*pairs) == pytest.approx(metrics.probability_of_improvement(x, y))
+    @given(st.lists(st.integers(0, 1000), min_size=7, max_size=7, unique=True))
+    def test_rank_sum_is_the_share_of_ways_to_part_the_runs(self, values: list[int]) -> None:
+        def won(ours: tuple[int, ...]) -> int:
+            return sum(value > other for value in ours for other in set(values) - set(ours))
 
-    def test_performance_profile(self) -> None:
-        library = pytest.importorskip("rliable.library")
-        x, tau = random(1).normal(size=(12, 4)), np.linspace(-1, 1, 5)
-        theirs = [library.run_score_deviation(x, threshold) for threshold in tau]
-        assert performance_profile(tau)(*x.T) == pytest.approx(theirs)
+        ours = tuple(values[:3])
+        ways = [won(some) >= won(ours) for some in combinations(values, 3)]
+        assert rank_sum(ours, values[3:]) == pytest.approx(np.mean(ways))
+
+    def test_bootstrap_draws_each_resample_as_often_as_any_other(self) -> None:
+        """Of two strata, 2^2 x 2^2 resamples."""
+        a, b = [0.0, 1.0], [0.0, 10.0]
+        all_of_them = Counter(
+            np.mean(ours) - np.mean(theirs)
+            for ours in product(a, repeat=2)
+            for theirs in product(b, repeat=2)
+        )
+        drawn = Counter(
+            bootstrap(mean_difference, [np.array(a), np.array(b)], random(), 40_000).tolist()
+        )
+        assert {value: count / 40_000 for value, count in drawn.items()} == pytest.approx(
+            {value: count / 16 for value, count in all_of_them.items()}, abs=0.01
+        )
+
+    @given(SAMPLES, SAMPLES)
+    def test_superiority_and_outliers_by_loops(self, a: np.ndarray, b: np.ndarray) -> None:
+        pairs = [1.0 if x > y else 0.5 if x == y else 0.0 for x in a for y in b]
+        assert superiority(a, b) == pytest.approx(sum(pairs) / len(pairs))
+        first, third = np.percentile(a, [25, 75])
+        beyond = [x for x in a if x < first - 1.5 * (third - first)]
+        assert low_outliers(a) == pytest.approx(len(beyond) / len(a))
