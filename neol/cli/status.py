@@ -1,0 +1,47 @@
+"""`neol status`: how far a campaign is, what failed, what the rest will cost."""
+
+import contextlib
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from neol.cli.application import app, examples
+
+WATCH_SECONDS = 2.0
+PIPED_WIDTH = 200
+"""Characters; wide enough for every line."""
+
+
+@app.command(
+    epilog=examples("neol status demo", "neol status results/demo", "neol status demo --watch")
+)
+def status(
+    campaign: Annotated[Path, typer.Argument(help="A folder like results/desk, or a budget.")],
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Go on showing it until the grid is done.")
+    ] = False,
+) -> None:
+    """Say what of a campaign is done, running, failed or missing, and what the rest will cost."""
+    from rich.console import Console
+
+    from neol.campaign import RESULTS
+    from neol.cli.status_view import picture, summary
+    from neol.progress import Display
+    from neol.spec import load_configuration
+    from neol.status import Folder, Status
+
+    path = RESULTS / campaign if len(campaign.parts) == 1 else campaign
+    folder = Folder(path, load_configuration(path.name))
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = PIPED_WIDTH
+    now = Status(folder.look())
+    if watch:
+        with contextlib.suppress(KeyboardInterrupt), Display(console) as display:
+            while not now.over:
+                display.show(summary(path, now), picture(path, now))
+                time.sleep(WATCH_SECONDS)
+                now = Status(folder.look())
+    console.print(picture(path, now))

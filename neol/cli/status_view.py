@@ -1,0 +1,106 @@
+"""What `neol status` shows."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from neol.progress import duration
+from neol.spec import RunSpec
+from neol.status import STATES, Finished, Standing, Status
+
+LISTED = 5
+"""As many entries of a list are shown."""
+
+
+def picture(folder: Path, status: Status) -> RenderableType:
+    """All there is to say, the table first."""
+    lists = {
+        "Latest": [_latest(run) for run in reversed(status.finished)],
+        "Running, by the last checkpoint": [_under_way(each) for each in status.of("running")],
+        "Interrupted": [_under_way(each) for each in status.of("interrupted")],
+        "Failed": [_failed(each) for each in status.of("failed")],
+    }
+    lines = [summary(folder, status), _outlook(status)]
+    for title, entries in lists.items():
+        if entries:
+            more = [f"and {len(entries) - LISTED:,} more"] if len(entries) > LISTED else []
+            lines += [f"{title}:", *(f"  {entry}" for entry in entries[:LISTED] + more)]
+    return Group(_table(status), Text("\n".join(lines)))
+
+
+def summary(folder: Path, status: Status) -> str:
+    """The campaign in a line."""
+    grid, study = status.states(), status.states(sensitivity=True)
+    cells, all_cells = status.cells
+    runs = grid + study
+    parts = [
+        f"{grid['done']:,} of {grid.total():,} runs done",
+        f"{cells:,} of {all_cells:,} cells",
+        f"{study['done']:,} of {study.total():,} of the sensitivity study",
+        *(
+            f"{runs[state]:,} {state}"
+            for state in ("running", "interrupted", "failed")
+            if runs[state]
+        ),
+    ]
+    if status.seconds_left is not None:
+        parts.append(f"{duration(status.seconds_left)} left")
+    return f"{folder}: {', '.join(parts)}"
+
+
+def _table(status: Status) -> RenderableType:
+    table = Table(box=None, pad_edge=False)
+    for name in ("task", "method"):
+        table.add_column(name, no_wrap=True)
+    for name in ("runs", *STATES, "core-hours left"):
+        table.add_column(name, justify="right")
+    table.add_column("estimated from")
+    for row in status.rows:
+        hours = "unknown" if row.core_hours is None else f"{row.core_hours:,.2f}"
+        counts = [str(row.states[state] or "-") for state in STATES]
+        table.add_row(row.task, row.part, str(row.states.total()), *counts, hours, row.basis or "-")
+    return table
+
+
+def _outlook(status: Status) -> str:
+    """What the rest will cost."""
+    rows = [row for row in status.rows if row.states["done"] < row.states.total()]
+    if not rows:
+        return "All is done."
+    hours = sum(row.core_hours or 0.0 for row in rows)
+    unknown = dict.fromkeys(row.task for row in rows if row.core_hours is None)
+    parts = [f"about {hours:,.2f} core-hours are left"] if hours else []
+    if unknown:
+        parts.append(f"what {', '.join(unknown)} will cost is unknown until a run of it is done")
+    if not status.of("running"):
+        parts.append("nothing is running")
+    elif status.seconds_left is not None:
+        parts.append(f"{duration(status.seconds_left)} at the present rate")
+    sentence = "; ".join(parts)
+    return f"{sentence[0].upper()}{sentence[1:]}."
+
+
+def _name(spec: RunSpec, seed: int) -> str:
+    rate = spec.plasticity.learning_rate
+    eta = f" eta={rate:g}" if spec.plasticity.rule != "none" else ""
+    return f"{spec.task.name} {spec.method} P={spec.population}{eta} seed {seed}"
+
+
+def _latest(run: Finished) -> str:
+    held_out = "" if run.held_out is None else f", held-out mean {run.held_out:.1f}"
+    ago = duration((datetime.now(UTC) - run.time).total_seconds())
+    return f"{_name(run.spec, run.spec.seed)}: best {run.best_fitness:.1f}{held_out}, {ago} ago"
+
+
+def _under_way(standing: Standing) -> str:
+    spec = standing.job.spec
+    name = _name(spec, standing.seed)
+    return f"{name}: generation {standing.generation} of {spec.generations}"
+
+
+def _failed(standing: Standing) -> str:
+    log = f" ({standing.job.log})" if standing.job.log.exists() else ""
+    return f"{_name(standing.job.spec, standing.seed)}: {standing.reason}{log}"

@@ -1,0 +1,316 @@
+"""How far a budget's campaign is, read from its folder and without touching it.
+
+The runs of a record are made one after another. Those that are done are in the record or, while it
+is under way, in its `.partial` folder; the next one is running, interrupted, failed or missing,
+and those after it are missing.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, get_args
+
+from neol import checkpoint
+from neol.campaign import RESULTS, blocks, run_specs
+from neol.errors import UserError
+from neol.records import read_footer
+from neol.run import checkpoint_path, finished_path, is_running, partial_folder
+from neol.sensitivity import trials, variants
+from neol.spec import Configuration, RunSpec
+
+State = Literal["done", "running", "interrupted", "failed", "missing"]
+STATES: tuple[State, ...] = get_args(State)
+
+SENSITIVITY = "sensitivity"
+RECENT_RUNS = 20
+"""As many of the latest runs say how fast runs finish at present."""
+LOG_BYTES = 2**16
+"""As much of a log's end is read."""
+NO_FAILURES = (
+    "neol: interrupted",
+    "neol: terminated",
+    "neol: the reference engine plays",
+    "KeyboardInterrupt",
+)
+"""How the last line of a log begins that ends in no error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """The runs that one record will hold."""
+
+    part: str
+    """Of the campaign: a method, or `SENSITIVITY`."""
+    spec: RunSpec
+    """With the first of their seeds."""
+    seeds: Sequence[int]
+    record: Path
+    log: Path
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """What a finished run came to."""
+
+    spec: RunSpec
+    """With its seed."""
+    best_fitness: float
+    held_out: float | None
+    """Mean return of the champion in fresh episodes; None if all of them failed."""
+    cpu_seconds: float
+    wall_seconds: float
+    time: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """How far a job is."""
+
+    job: Job
+    state: State
+    """Of the first run that is not done; "done" where all are."""
+    finished: tuple[Finished, ...] = ()
+    generation: int = 0
+    """How many generations of that run its last checkpoint holds."""
+    reason: str = ""
+    """Why it failed."""
+
+    @property
+    def runs_left(self) -> float:
+        """How many runs are still to make; a run under way counts by its generations."""
+        return len(self._unfinished) - self.generation / self.job.spec.generations
+
+    @property
+    def seed(self) -> int:
+        """That of the first run that is not done."""
+        return self._unfinished[0]
+
+    @property
+    def states(self) -> Counter[State]:
+        """How many of the runs are in each state."""
+        counts = Counter[State]({"done": len(self.finished)})
+        if self._unfinished:
+            counts[self.state] += 1
+            counts["missing"] += len(self._unfinished) - 1
+        return counts
+
+    @property
+    def _unfinished(self) -> list[int]:
+        return _unfinished(self.job, self.finished)
+
+
+class Folder:
+    """A budget's folder. What a look has read of a record, the next one does not read again."""
+
+    def __init__(self, path: Path, configuration: Configuration) -> None:
+        self.path = path
+        self._jobs = list(_jobs(path, configuration))
+        self._read: dict[Path, tuple[tuple[int, int], tuple[Finished, ...]]] = {}
+
+    def look(self) -> list[Standing]:
+        """How far each job is now."""
+        standings: list[Standing] = []
+        blamed: set[Path] = set()  # a log of several jobs is about the first that is not done
+        for job in self._jobs:
+            standing = self._standing(job)
+            if standing.state in ("interrupted", "missing") and job.log not in blamed:
+                blamed.add(job.log)
+                if reason := _failure(job.log):
+                    standing = replace(standing, state="failed", reason=reason)
+            standings.append(standing)
+        return standings
+
+    def _standing(self, job: Job) -> Standing:
+        partial = partial_folder(job.record)
+        try:
+            if job.record.exists():
+                finished = self._runs(job.record, job)
+                return Standing(job, "missing" if _unfinished(job, finished) else "done", finished)
+            if not partial.exists():
+                return Standing(job, "missing")
+            paths = [finished_path(partial, seed) for seed in job.seeds]
+            finished = tuple(r for path in paths if path.exists() for r in self._runs(path, job))
+        except FileNotFoundError:
+            return self._standing(job)  # the job is done since: its runs have moved to its record
+        except UserError as error:
+            return Standing(job, "failed", reason=str(error))
+        if not (unfinished := _unfinished(job, finished)):
+            return Standing(job, "done", finished)
+        generation = checkpoint.generations(checkpoint_path(partial, unfinished[0]))
+        state: State = "running" if is_running(partial) else "interrupted"
+        return Standing(job, state, finished, generation)
+
+    def _runs(self, path: Path, job: Job) -> tuple[Finished, ...]:
+        """The runs of a record. Raises UserError where it cannot be used."""
+        stat = path.stat()
+        version = stat.st_mtime_ns, stat.st_size
+        if path not in self._read or self._read[path][0] != version:
+            runs = tuple(
+                Finished(
+                    spec=job.spec.model_copy(update={"seed": info.seed}),
+                    best_fitness=info.champion.fitness,
+                    held_out=info.held_out.mean,
+                    cpu_seconds=info.cpu_seconds,
+                    wall_seconds=info.wall_seconds,
+                    time=datetime.fromisoformat(info.provenance.time),
+                )
+                for info in read_footer(path, job.spec).seeds
+            )
+            self._read[path] = version, runs
+        return self._read[path][1]
+
+
+def _unfinished(job: Job, finished: Iterable[Finished]) -> list[int]:
+    done = {run.spec.seed for run in finished}
+    return [seed for seed in job.seeds if seed not in done]
+
+
+def _jobs(folder: Path, configuration: Configuration) -> Iterator[Job]:
+    """Those of a budget, in the order of its file, and those of its sensitivity study."""
+    home = RESULTS / configuration.budget.name
+    logs = folder.absolute().parent.parent / "logs" / folder.name
+    for block in blocks(configuration):
+        below, spec = block.record.relative_to(home), run_specs(configuration, block)[0]
+        log = (logs / below).with_suffix(".log")
+        yield Job(block.cell.method, spec, block.seeds, folder / below, log)
+    for variant in variants():
+        for trial in trials(configuration, variant):
+            below = trial.record.relative_to(home)
+            log = logs / below.parent.with_name(f"{below.parent.name}.log")
+            yield Job(SENSITIVITY, trial.spec, trial.seeds, folder / below, log)
+
+
+def _failure(log: Path) -> str:
+    """The last line of a log that ends in an error; nothing of any other."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - LOG_BYTES))
+            lines = file.read(LOG_BYTES).decode(errors="replace").split("\n")
+    except OSError:
+        return ""
+    last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+    is_error = last.startswith("neol: ") or "Traceback (most recent call last):" in lines
+    return last if is_error and not last.startswith(NO_FAILURES) else ""
+
+
+# --- What it comes to ---------------------------------------------------------------------------
+
+BASES = ("its own runs", "runs of other populations", "runs of other methods")
+"""What a cost is estimated from, the best first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A part of the campaign on a task."""
+
+    task: str
+    part: str
+    states: Counter[State]
+    core_hours: float | None
+    """What the rest will cost; None where nothing of the task was measured."""
+    basis: str
+    """One of `BASES`, the worst that was needed; empty where nothing is left or measured."""
+
+
+class Status:
+    """Where a campaign stands."""
+
+    def __init__(self, standings: Sequence[Standing]) -> None:
+        self.standings = standings
+        self.finished = sorted(
+            (run for standing in standings for run in standing.finished), key=lambda run: run.time
+        )
+        self._seconds: defaultdict[tuple[object, ...], float] = defaultdict(float)
+        self._episodes: Counter[tuple[object, ...]] = Counter()
+        for run in self.finished:
+            for key in _alike(run.spec):
+                self._seconds[key] += run.cpu_seconds
+                self._episodes[key] += _episodes(run.spec)
+
+    def of(self, state: State) -> list[Standing]:
+        """The jobs whose next run is in a state."""
+        return [standing for standing in self.standings if standing.state == state]
+
+    def states(self, *, sensitivity: bool = False) -> Counter[State]:
+        """How many runs are in each state: those of the grid, or those of the sensitivity study."""
+        counts = Counter[State]()
+        for standing in self.standings:
+            if (standing.job.part == SENSITIVITY) == sensitivity:
+                counts += standing.states
+        return counts
+
+    @property
+    def over(self) -> bool:
+        """Whether the grid is done and nothing is running."""
+        runs = self.states()
+        return runs["done"] == runs.total() and not self.of("running")
+
+    @property
+    def cells(self) -> tuple[int, int]:
+        """How many cells of the grid are done, and how many there are."""
+        cells: dict[Path, bool] = {}
+        for standing in self.standings:
+            if standing.job.part != SENSITIVITY:
+                cell = standing.job.record.parent
+                cells[cell] = cells.get(cell, True) and standing.state == "done"
+        return sum(cells.values()), len(cells)
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """The table: tasks and methods in the order of the budget, each task's sensitivity last."""
+        groups: dict[tuple[str, str], list[Standing]] = {}
+        for standing in self.standings:
+            groups.setdefault((standing.job.spec.task.name, standing.job.part), []).append(standing)
+        return [self._row(task, part, group) for (task, part), group in groups.items()]
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Until all is done at the present rate; None where nothing runs or a cost is unknown."""
+        hours = [row.core_hours for row in self.rows]
+        recent = self.finished[-RECENT_RUNS:]
+        wall = sum(run.wall_seconds for run in recent)
+        cores = len(self.of("running")) * sum(run.cpu_seconds for run in recent) / (wall or 1.0)
+        if None in hours or cores == 0.0:
+            return None
+        return 3600.0 * sum(filter(None, hours)) / cores
+
+    def _row(self, task: str, part: str, group: Sequence[Standing]) -> Row:
+        states = sum((standing.states for standing in group), Counter[State]())
+        seconds, worst = 0.0, -1
+        for standing in group:
+            if standing.runs_left:
+                cost, basis = self._cost(standing.job.spec)
+                seconds += standing.runs_left * cost
+                worst = max(worst, basis)
+        known = worst < len(BASES)
+        return Row(
+            task=task,
+            part=part,
+            states=states,
+            core_hours=seconds / 3600.0 if known else None,
+            basis=BASES[worst] if known and worst >= 0 else "",
+        )
+
+    def _cost(self, spec: RunSpec) -> tuple[float, int]:
+        """CPU seconds of a run, and the place of what they are taken from among `BASES`."""
+        for place, key in enumerate(_alike(spec)):
+            if self._episodes[key]:
+                return _episodes(spec) * self._seconds[key] / self._episodes[key], place
+        return 0.0, len(BASES)
+
+
+def _alike(spec: RunSpec) -> list[tuple[object, ...]]:
+    """The groups of runs that a run's cost may be taken from, the nearest first."""
+    return [
+        (spec.task.name, spec.method, spec.population),
+        (spec.task.name, spec.method),
+        (spec.task.name,),
+    ]
+
+
+def _episodes(spec: RunSpec) -> int:
+    """How many episodes a run trains in."""
+    return spec.population * spec.generations * spec.evaluation.episodes
