@@ -21,16 +21,16 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
     return the same bits.
     Raises UserError where `fast` is asked for and cannot be had, or the environment is unknown.
     """
-    from neol.rollout.parallel import ProcessEngine, ThreadedEngine
+    from neol.rollout.parallel import ProcessEngine
     from neol.rollout.reference import ReferenceEngine
 
     if choice != "reference":
         from neol.rollout.box2d.library import TASKS
         from neol.rollout.fast import fast_engine
 
-        engine = fast_engine(task)
+        engine = fast_engine(task, workers)
         if isinstance(engine, Engine):
-            return engine if workers == 1 else ThreadedEngine(engine, workers)
+            return engine
         if choice == "fast":
             raise UserError(f"no fast engine for {task.environment}: {engine}; use --engine auto")
         if task.environment in TASKS:

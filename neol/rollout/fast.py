@@ -1,7 +1,8 @@
 """The fast engine: the paper's tasks in compiled code, with the bits of the reference engine."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Protocol
 
@@ -13,10 +14,8 @@ from neol.plasticity import RULES
 from neol.rollout.box2d import library as box2d
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, World
+from neol.rollout.parallel import portions
 from neol.spec import Plasticity, Task
-
-NETWORKS_PER_CALL = 8
-"""Python regains control after so many, so that Ctrl-C is heard within a second or two."""
 
 
 class Simulation(Protocol):
@@ -31,9 +30,13 @@ class FastEngine:
 
     name = "fast"
 
-    def __init__(self, make_simulation: Callable[[], Simulation], max_steps: int) -> None:
+    def __init__(
+        self, make_simulation: Callable[[], Simulation], max_steps: int, workers: int = 1
+    ) -> None:
         self._make_simulation = make_simulation
         self._max_steps = max_steps
+        self._workers = workers
+        self._executor = ThreadPoolExecutor(workers)  # starts its threads when it needs them
         self._of_thread = threading.local()
 
     def evaluate(
@@ -69,19 +72,33 @@ class FastEngine:
             threshold=rollouts.threshold,
             failed=rollouts.failed,
         )
-        if not hasattr(self._of_thread, "simulation"):
-            self._of_thread.simulation = self._make_simulation()
-        for begin in range(0, len(seeds), NETWORKS_PER_CALL):
-            end = min(begin + NETWORKS_PER_CALL, len(seeds))
-            self._of_thread.simulation.world.play(batch, begin, end)
+        calls = iter(portions(len(seeds), self._workers))
+        try:
+            others = [
+                self._executor.submit(self._play, batch, calls) for _ in range(self._workers - 1)
+            ]
+            self._play(batch, calls)
+            for other in others:
+                other.result()
+        finally:
+            for _ in calls:
+                pass  # after Ctrl-C nobody begins another call
         return rollouts
 
+    def _play(self, batch: Batch, calls: Iterator[tuple[int, int]]) -> None:
+        """Play in this thread; whoever is free takes the next of the calls that all share."""
+        if not hasattr(self._of_thread, "simulation"):
+            self._of_thread.simulation = self._make_simulation()
+        for begin, end in calls:
+            self._of_thread.simulation.world.play(batch, begin, end)
+
     def close(self) -> None:
+        self._executor.shutdown()
         self._of_thread = threading.local()
 
 
-def fast_engine(task: Task) -> Engine | str:
-    """The compiled engine of a task, or in one phrase why there is none."""
+def fast_engine(task: Task, workers: int = 1) -> Engine | str:
+    """The compiled engine of a task, spread over threads, or in one phrase why there is none."""
     make_simulation: Callable[[], Simulation]
     if task.environment == "CartPole-v1":
         from neol.rollout import cartpole
@@ -102,4 +119,4 @@ def fast_engine(task: Task) -> Engine | str:
         make_simulation = partial(environment.Simulation, library, task.environment)
     else:
         return "only the reference engine knows it"
-    return FastEngine(make_simulation, task.max_steps)
+    return FastEngine(make_simulation, task.max_steps, workers)

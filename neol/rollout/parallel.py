@@ -6,9 +6,8 @@ An episode is a function of its seed and network alone, so a batch may be cut an
 import multiprocessing
 import signal
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -18,28 +17,22 @@ from neol.network import Networks
 from neol.rollout.engine import Engine, Rollouts
 from neol.spec import Plasticity
 
-_CHUNKS_PER_WORKER = 8  # episodes differ in length, so small chunks keep all workers busy
+_LARGEST_PORTION = 8  # so that Python regains control, and hears Ctrl-C, within a second or two
 
 
-class ThreadedEngine:
-    """Spreads a batch over threads: for engines that hold no GIL and share no state."""
+def portions(networks: int, workers: int) -> list[tuple[int, int]]:
+    """How a batch is cut into pieces, (begin, end), which the workers take as they get free.
 
-    def __init__(self, engine: Engine, workers: int) -> None:
-        self.name = engine.name
-        self._engine = engine
-        self._workers = workers
-        self._executor = ThreadPoolExecutor(workers)
-
-    def evaluate(
-        self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
-    ) -> Rollouts:
-        return _spread(
-            self._executor, self._workers, self._engine.evaluate, networks, seeds, plasticity
-        )
-
-    def close(self) -> None:
-        self._executor.shutdown(cancel_futures=True)
-        self._engine.close()
+    Episodes differ in length. So that all workers end together the pieces shrink: each is half of
+    a worker's share of what is left (guided self-scheduling, Polychronopoulos & Kuck 1987).
+    """
+    pieces, begin = [], 0
+    while begin < networks:
+        half_share = (networks - begin) // (2 * workers)
+        end = begin + min(max(half_share, 1), _LARGEST_PORTION)
+        pieces.append((begin, end))
+        begin = end
+    return pieces
 
 
 class ProcessEngine:
@@ -59,14 +52,25 @@ class ProcessEngine:
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
     ) -> Rollouts:
         try:
-            return _spread(
-                self._executor, self._workers, _evaluate_in_worker, networks, seeds, plasticity
-            )
+            futures = [
+                self._executor.submit(
+                    _evaluate, networks.slice(begin, end), seeds[begin:end], plasticity
+                )
+                for begin, end in portions(len(networks), self._workers)
+            ]
+            parts = [future.result() for future in futures]
         except BrokenProcessPool:
             raise UserError(
                 "a worker process died (killed, or out of memory?); "
                 "run again with --resume, perhaps with fewer --workers"
             ) from None
+        return Rollouts(
+            returns=np.concatenate([part.returns for part in parts]),
+            steps=np.concatenate([part.steps for part in parts]),
+            weight=np.concatenate([part.weight for part in parts]),
+            threshold=np.concatenate([part.threshold for part in parts]),
+            failed=np.concatenate([part.failed for part in parts]),
+        )
 
     def close(self) -> None:
         self._executor.shutdown(cancel_futures=True)
@@ -81,32 +85,7 @@ def _begin_worker(make_engine: Callable[[], Engine]) -> None:
     _worker_engine = make_engine()
 
 
-def _evaluate_in_worker(
+def _evaluate(
     networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
 ) -> Rollouts:
     return _worker_engine.evaluate(networks, seeds, plasticity)
-
-
-def _spread(
-    executor: Executor,
-    workers: int,
-    evaluate: Callable[[Networks, npt.NDArray[np.uint64], Plasticity], Rollouts],
-    networks: Networks,
-    seeds: npt.NDArray[np.uint64],
-    plasticity: Plasticity,
-) -> Rollouts:
-    """Evaluate a batch in chunks and put the chunks together in order."""
-    chunks = min(workers * _CHUNKS_PER_WORKER, len(networks))
-    bounds = np.linspace(0, len(networks), chunks + 1).astype(int)
-    futures = [
-        executor.submit(evaluate, networks.slice(begin, end), seeds[begin:end], plasticity)
-        for begin, end in pairwise(bounds)
-    ]
-    parts = [future.result() for future in futures]
-    return Rollouts(
-        returns=np.concatenate([part.returns for part in parts]),
-        steps=np.concatenate([part.steps for part in parts]),
-        weight=np.concatenate([part.weight for part in parts]),
-        threshold=np.concatenate([part.threshold for part in parts]),
-        failed=np.concatenate([part.failed for part in parts]),
-    )

@@ -1,7 +1,9 @@
 """The fast engine against the reference engine: the same bits, whatever plays and learns."""
 
+import threading
 from collections.abc import Iterator
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,8 +13,8 @@ from neol.network import ACTIVATIONS, Networks
 from neol.plasticity import RULES
 from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.box2d import library as box2d
+from neol.rollout.episodes import Batch
 from neol.rollout.fast import FastEngine, fast_engine
-from neol.rollout.parallel import ThreadedEngine
 from neol.rollout.reference import ReferenceEngine, network_size
 from neol.spec import Plasticity, Task, load_configuration
 from tests.core import require_core
@@ -35,10 +37,10 @@ def task_of(name: str) -> Task:
 
 
 @cache
-def fast(task: Task) -> Engine:
+def fast(task: Task, workers: int = 1) -> Engine:
     if task.environment in box2d.TASKS:
         require_core()
-    engine = fast_engine(task)
+    engine = fast_engine(task, workers)
     assert not isinstance(engine, str), engine
     return engine
 
@@ -150,7 +152,30 @@ def test_neither_order_nor_neighbours_matter(name: str) -> None:
         )
         assert_same(alone, part_of(whole, networks, index))
     for workers in (2, 4):
-        assert_same(ThreadedEngine(engine, workers).evaluate(networks, seeds, plasticity), whole)
+        spread = fast(task_of(name), workers)
+        assert_same(spread.evaluate(networks, seeds, plasticity), whole)
+
+
+def test_after_ctrl_c_no_worker_begins_another_call() -> None:
+    played, begun, interrupted = [], threading.Event(), threading.Event()
+
+    class World:
+        def play(self, batch: Batch, begin: int, end: int) -> None:
+            del batch, end
+            if threading.current_thread() is threading.main_thread():
+                begun.wait()
+                raise KeyboardInterrupt
+            played.append(begin)
+            begun.set()
+            interrupted.wait()
+
+    engine = FastEngine(lambda: SimpleNamespace(world=World()), max_steps=1, workers=2)
+    networks = random_networks(np.random.default_rng(1), 40, 4, 2)
+    with pytest.raises(KeyboardInterrupt):
+        engine.evaluate(networks, seeds_of(40, 1), plasticity_of("none"))
+    interrupted.set()
+    engine.close()
+    assert len(played) == 1
 
 
 def part_of(rollouts: Rollouts, networks: Networks, index: int) -> Rollouts:
