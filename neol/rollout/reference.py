@@ -156,6 +156,11 @@ class ReferenceEngine:
         """What the environment now looks like, in the engine's render mode."""
         return self._environment.render()
 
+    @property
+    def steps_per_second(self) -> float:
+        """The environment's own speed, for films."""
+        return float(self._environment.metadata.get("render_fps", 30))
+
     def _episode(
         self,
         networks: Networks,

@@ -1,0 +1,1 @@
+"""Champions after their runs: replayed, filmed, drawn, compared, exported."""

@@ -1,0 +1,113 @@
+"""Films of episodes: Gymnasium's own pictures, as an animated GIF."""
+
+import ctypes.util
+import io
+import itertools
+import os
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from PIL import Image
+
+from neol.champions.player import Player, Trace
+from neol.errors import UserError
+from neol.rollout.reference import ReferenceEngine, Step
+from neol.spec import Task
+
+Drawn = TypeVar("Drawn")
+
+FRAMES_PER_SECOND = 25
+"""At most; a film is as fast as its environment."""
+LAST_FRAME_MS = 1500
+COLOURS = 64
+SHRINK = 2
+"""A film has this fraction of the 400 to 600 pixels of Gymnasium's pictures."""
+
+
+@dataclass(frozen=True, slots=True)
+class Film:
+    """A filmed episode."""
+
+    gif: bytes
+    """Animated, and repeated for ever."""
+    frames: int
+    trace: Trace
+    """The episode that it shows."""
+
+
+def film(player: Player, seed: int, *, plastic_steps: int | None = None) -> Film:
+    """Film the episode of a seed (see `Player.play`). Needs no display.
+
+    Raises UserError where the environment cannot be drawn.
+    """
+    _choose_backends()
+    task = player.spec.task
+    engine = _drawn(task, lambda: ReferenceEngine(task, "rgb_array"))
+
+    def picture() -> Image.Image:
+        return _drawn(task, lambda: Image.fromarray(engine.render()).reduce(SHRINK))
+
+    steps_per_second = engine.steps_per_second
+    stride = max(1, round(steps_per_second / FRAMES_PER_SECOND))
+    pictures: list[Image.Image] = []
+    steps = itertools.count()
+
+    def shoot(_step: Step) -> None:
+        if next(steps) % stride == 0:
+            pictures.append(picture())
+
+    trace = player.play(seed, plastic_steps=plastic_steps, engine=engine, observe=shoot)
+    pictures.append(picture())
+    engine.close()
+    gif = _gif(pictures, milliseconds=round(1000 * stride / steps_per_second))
+    return Film(gif, len(pictures), trace)
+
+
+def need_display() -> None:
+    """Raise UserError where no window can be opened: MuJoCo would abort the process."""
+    if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
+        raise UserError("there is no display to open a window on; --gif films without one")
+
+
+def _choose_backends() -> None:
+    """Let SDL and MuJoCo draw into memory, unless the user has chosen otherwise."""
+    os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+    if sys.platform == "linux":
+        egl = ctypes.util.find_library("EGL") is not None
+        os.environ.setdefault("MUJOCO_GL", "egl" if egl else "osmesa")
+
+
+def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
+    """What a function draws, or in one line why it cannot."""
+    try:
+        return draw()
+    except Exception as error:  # whatever a drawing library raises where another one is missing
+        reason = " ".join(str(error).split())[:120]
+        remedy = "choose a task that Gymnasium can draw"
+        if sys.platform == "linux" and "MUJOCO_GL" in os.environ:
+            remedy = (
+                "MuJoCo needs EGL or OSMesa (on Debian: apt install libegl1 libgl1-mesa-dri, or "
+                "libosmesa6), the one that MUJOCO_GL names"
+            )
+        raise UserError(f"{task.environment} cannot be drawn here ({reason}); {remedy}") from error
+
+
+def _gif(pictures: Sequence[Image.Image], milliseconds: int) -> bytes:
+    """An animated GIF with one palette for all: small, and colours do not flicker."""
+    some = pictures[:: max(1, len(pictures) // 8)]
+    palette = Image.fromarray(np.concatenate([np.asarray(each) for each in some]))
+    palette = palette.quantize(COLOURS)
+    first, *others = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
+    buffer = io.BytesIO()
+    first.save(
+        buffer,
+        format="gif",
+        save_all=True,
+        append_images=others,
+        duration=[milliseconds] * len(others) + [LAST_FRAME_MS],
+        loop=0,
+    )
+    return buffer.getvalue()

@@ -1,0 +1,155 @@
+"""A champion that plays again: in the episodes of its record, watched step by step."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from neol.errors import UserError
+from neol.neat.genome import Genome, decode
+from neol.network import Networks
+from neol.records import Record, SeedInfo, read_record
+from neol.rollout import make_engine
+from neol.rollout.reference import Observer, ReferenceEngine, Step
+from neol.seeding import held_out_seeds
+from neol.spec import RunSpec
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """An episode of T steps by a network of I inputs, M computed nodes and E connections."""
+
+    observations: Floats
+    """float64[T, I]: what each action was chosen by."""
+    activities: Floats
+    """float64[T, M]: of the hidden nodes, then of the outputs, that chose it."""
+    actions: npt.NDArray[np.generic]
+    """[T], or [T, A] where actions are continuous: as the environment got them."""
+    rewards: Floats
+    """float64[T]."""
+    weights: Floats
+    """float64[T + 1, E]: before the episode and after each step."""
+    thresholds: Floats
+    """float64[T + 1, M]: BCM's, likewise."""
+    episode_return: float
+    """Sum of the rewards; NaN if the episode failed."""
+
+    def __len__(self) -> int:
+        return len(self.rewards)
+
+
+@dataclass(frozen=True, slots=True)
+class Player:
+    """A champion with all that its run's specification says of how it plays and learns."""
+
+    spec: RunSpec
+    genome: Genome
+    network: Networks
+    """A batch of one; its weights are those that every episode begins with."""
+    recorded_returns: tuple[float, ...]
+    """Of the held-out episodes of its record; NaN where one failed."""
+
+    @property
+    def held_out_seeds(self) -> tuple[int, ...]:
+        """The seeds of the record's held-out episodes."""
+        return tuple(held_out_seeds(self.spec.seed, len(self.recorded_returns))[0].tolist())
+
+    def play(
+        self,
+        seed: int,
+        *,
+        plastic_steps: int | None = None,
+        engine: ReferenceEngine | None = None,
+        observe: Observer | None = None,
+    ) -> Trace:
+        """Play the episode of a seed; in Gymnasium, whatever engine the run had.
+
+        `plastic_steps` switches plasticity off after so many steps. `observe` sees each step too,
+        and `engine` is one of this task with a render mode, or to be used again.
+        """
+        recorder = _Recorder(self.network)
+
+        def see(step: Step) -> None:
+            recorder(step)
+            if observe is not None:
+                observe(step)
+
+        used = engine or ReferenceEngine(self.spec.task)
+        total = used.watch(self.network, seed, self.spec.plasticity, see, plastic_steps)
+        if engine is None:
+            used.close()
+        return recorder.trace(total)
+
+    def evaluate(self, seeds: npt.ArrayLike) -> Floats:
+        """The returns of the episodes of some seeds, on the fastest engine: float64[episodes].
+
+        As in the held-out episodes each begins with the champion's own weights. NaN: failed.
+        """
+        column = np.asarray(seeds, dtype=np.uint64).reshape(-1, 1)
+        inputs, outputs = self.network.inputs, self.network.outputs
+        networks, _ = decode([self.genome] * len(column), inputs, outputs, self.spec.network)
+        engine = make_engine(self.spec.task)
+        returns: Floats = engine.evaluate(networks, column, self.spec.plasticity).returns[:, 0]
+        engine.close()
+        return returns
+
+
+def load_champion(record: Path | str, seed: int | None = None) -> Player:
+    """The champion of one of a record's runs, the first one's where no seed is named.
+
+    Raises UserError for a record that cannot be read or does not hold the seed.
+    """
+    read = read_record(Path(record))
+    if seed is None:
+        return player(read, read.seeds[0])
+    for info in read.seeds:
+        if info.seed == seed:
+            return player(read, info)
+    there = ", ".join(str(info.seed) for info in read.seeds)
+    raise UserError(f"{record}: has no seed {seed}; it holds {there}")
+
+
+def player(record: Record, info: SeedInfo) -> Player:
+    """The champion of one run of a record."""
+    spec, genome = record.spec_of(info.seed), info.champion.genome()
+    network, _ = decode([genome], info.inputs, info.outputs, spec.network)
+    returns = [math.nan if value is None else value for value in info.held_out.returns]
+    return Player(spec, genome, network, tuple(returns))
+
+
+class _Recorder:
+    """Copies every step of an episode."""
+
+    def __init__(self, network: Networks) -> None:
+        self._network = network
+        self._values: list[Floats] = []
+        self._actions: list[Any] = []
+        self._rewards: list[float] = []
+        self._weights = [network.weight.copy()]
+        self._thresholds = [np.zeros_like(network.bias)]
+
+    def __call__(self, step: Step) -> None:
+        self._values.append(step.values.copy())
+        self._actions.append(step.action)
+        self._rewards.append(step.reward)
+        self._weights.append(step.weight.copy())
+        self._thresholds.append(step.threshold.copy())
+
+    def trace(self, episode_return: float) -> Trace:
+        """What was seen."""
+        inputs = self._network.inputs
+        values = np.array(self._values).reshape(-1, inputs + len(self._network.bias))
+        return Trace(
+            observations=values[:, :inputs],
+            activities=values[:, inputs:],
+            actions=np.array(self._actions),
+            rewards=np.array(self._rewards),
+            weights=np.array(self._weights),
+            thresholds=np.array(self._thresholds),
+            episode_return=episode_return,
+        )
