@@ -1,7 +1,7 @@
 """From a budget's runs to the paper's tables and figures: `snakemake figures/table1.tex`, `snakemake all`.
 
 `snakemake tables --config budget=desk` spends another budget and writes to figures/desk/. A run is made where its
-record is missing or its specification has changed, whatever the times of files.
+record is missing or was made of another specification, which the record itself tells, whatever the times of files.
 """
 
 import sys
@@ -10,10 +10,10 @@ from pathlib import Path
 
 from neol.analysis.choice import candidates
 from neol.analysis.labels import HEATMAPS
-from neol.campaign import blocks, run_specs
+from neol.campaign import blocks
 from neol.errors import UserError
-from neol.sensitivity import trials, variants
 from neol.spec import budgets, load_configuration
+from neol.workflow import clear_stale_locks, jobs, pattern
 
 DEFAULT_BUDGET = "smoke"
 BUDGET = str(config.get("budget", DEFAULT_BUDGET))
@@ -35,34 +35,21 @@ try:
     CONFIGURATION = load_configuration(BUDGET)
 except UserError as error:
     sys.exit(f"neol: {error}")
+ALIVE = clear_stale_locks()
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
-TRIALS = {name: trials(CONFIGURATION, name) for name in variants()}
-
-
-def block(wildcards):
-    """The block whose record is asked for."""
-    path = f"results/{wildcards.record}.parquet"
-    if path not in BLOCKS:
-        sys.exit(
-            f"neol: {path}: budget {BUDGET} has no such record, {next(iter(BLOCKS))} is its first"
-        )
-    return BLOCKS[path]
+JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
+REASONS = {path: job.reason() for path, job in JOBS.items()}
+KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
 
 
 def run_arguments(wildcards):
-    """A block as the command line of `neol run` has it."""
-    this = block(wildcards)
-    cell = this.cell
-    rate = "" if cell.learning_rate is None else f"--learning-rate {cell.learning_rate}"
-    return (
-        f"--budget {this.budget} --task {cell.task} --method {cell.method} --population {cell.population} {rate} "
-        f"--generations {CONFIGURATION.budget.generations} --seed {this.first}-{this.last}"
-    )
-
-
-def run_specification(wildcards):
-    """What a block's record must agree with: when it changes, its runs and no others are planned."""
-    return run_specs(CONFIGURATION, block(wildcards))[0].digest()
+    """The arguments of `neol run` for a record."""
+    path = f"results/{wildcards.record}.parquet"
+    if path not in JOBS:
+        sys.exit(
+            f"neol: {path}: budget {BUDGET} has no such record, {next(iter(JOBS))} is its first"
+        )
+    return JOBS[path].arguments
 
 
 def shown(*settings):
@@ -144,7 +131,7 @@ NOTEBOOKS = {
             "beyond_selection",
             "beyond_sensitivity",
         ),
-        [*shown(), *(str(trial.record) for name in TRIALS for trial in TRIALS[name])],
+        list(JOBS),
         code(draws=True),
     ),
 }
@@ -162,11 +149,11 @@ localrules:
     claims,
     beyond,
     records,
+    kept,
     elsewhere,
 
 
 wildcard_constraints:
-    record=f"{BUDGET}/.+",
     path=".+/.+" if BUDGET == DEFAULT_BUDGET else f"(?!{BUDGET}/).+",
 
 
@@ -201,6 +188,7 @@ rule records:
         list(BLOCKS),
 
 
+# The profile forces what this rule matches: exactly the records that must be made.
 rule run:
     output:
         "results/{record}.parquet",
@@ -208,6 +196,8 @@ rule run:
         "logs/{record}.log",
     benchmark:
         "logs/{record}.tsv"
+    wildcard_constraints:
+        record=rf"(?!(?:{KEPT})\.parquet$){BUDGET}/.+",
     conda:
         "environment.yml"
     threads: 1
@@ -215,33 +205,19 @@ rule run:
         mem_mb=500,
     params:
         arguments=run_arguments,
-        specification=run_specification,
+        reason=lambda wildcards: REASONS[f"results/{wildcards.record}.parquet"],
+    message:
+        "{params.reason}"
     shell:
         "python -m neol run {params.arguments} --workers {threads} --resume --quiet --output {output} > {log} 2>&1"
 
 
-for variant, made in TRIALS.items():
-
-    rule:
-        name:
-            f"sensitivity_{made[0].record.parent.name}"
-        output:
-            [str(trial.record) for trial in made],
-        log:
-            f"logs/{BUDGET}/sensitivity/{made[0].record.parent.name}.log",
-        benchmark:
-            f"logs/{BUDGET}/sensitivity/{made[0].record.parent.name}.tsv"
-        conda:
-            "environment.yml"
-        threads: 1
-        resources:
-            mem_mb=500,
-        params:
-            budget=BUDGET,
-            variant=variant,
-            specification=[trial.spec.digest() for trial in made],
-        shell:
-            "python -m neol.sensitivity {params.budget} '{params.variant}' > {log} 2>&1"
+# All other records are there as they should be: asked for, there is nothing to do.
+rule kept:
+    output:
+        "results/{record}.parquet",
+    wildcard_constraints:
+        record=KEPT,
 
 
 for notebook, (made, records, modules) in NOTEBOOKS.items():

@@ -1,12 +1,9 @@
 """Sensitivity: the constants that the paper leaves open, changed one at a time.
 
-`python -m neol.sensitivity BUDGET VARIANT` makes the records of one variant; those that are there
-already are left as they are. config/sensitivity/variants.yaml lists the variants.
+config/sensitivity/variants.yaml lists the variants; the workflow runs their trials.
 """
 
 import re
-import sys
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -85,37 +82,3 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
 def folder(budget: str, name: str) -> Path:
     """Where a variant's records lie: results/smoke/sensitivity/beta-0.001."""
     return RESULTS / budget / "sensitivity" / re.sub(r"[^\w.]+", "-", name)
-
-
-def run(configuration: Configuration, name: str) -> Iterator[Trial]:
-    """Make a variant's records, one after another; each is yielded when it is there."""
-    from neol.run import run_block
-
-    for trial in trials(configuration, name):
-        trial.record.parent.mkdir(parents=True, exist_ok=True)
-        run_block(
-            trial.spec, trial.seeds, trial.record, resume=True, budget=configuration.budget.name
-        )
-        yield trial
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Run the command line; returns its exit code."""
-    if len(arguments) != 2:
-        print("neol: usage: python -m neol.sensitivity BUDGET VARIANT", file=sys.stderr)
-        return 2
-    budget, variant = arguments
-    try:
-        for done in run(load_configuration(budget), variant):
-            print(done.record)
-    except UserError as error:
-        print(f"neol: {error}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("neol: interrupted: the same command goes on from there", file=sys.stderr)
-        return 130
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -63,22 +63,3 @@ def test_the_effect_of_a_variant(tmp_path: Path) -> None:
     assert (same["a12"], same["low"], same["high"]) == (0.5, 0.5, 0.5)  # runs are paired by seed
     assert math.isnan(rows.loc[("sigmoid", "hopper", "bcm"), "mean"])
     assert len(sources) == 2 * 8
-
-
-def interrupt(*_arguments: object) -> None:
-    raise KeyboardInterrupt
-
-
-def test_the_command_line_ends_in_one_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "run", interrupt)
-    for arguments, status, line in (
-        ([], 2, "usage: python -m neol.sensitivity BUDGET VARIANT"),
-        (["smok", BASELINE], 2, 'unknown budget "smok"'),
-        (["smoke", BASELINE], 130, "interrupted: the same command goes on"),
-    ):
-        assert module.main(arguments) == status
-        said = capsys.readouterr().err
-        assert said.startswith(f"neol: {line}")
-        assert said.count("\n") == 1

@@ -1,11 +1,16 @@
 """What the workflow plans and what it refuses, before anything has run."""
 
+import os
+import random
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from neol.campaign import blocks
-from neol.sensitivity import variants
+from neol.sensitivity import trials, variants
 from neol.spec import load_configuration
 from tests.workflow.clone import fresh_clone, planned, snakemake
 
@@ -14,22 +19,94 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return fresh_clone(tmp_path_factory.mktemp("plan") / "neol")
+    """As after `git clone`: no .snakemake/, files of any age."""
+    clone = fresh_clone(tmp_path_factory.mktemp("plan") / "neol")
+    chance = random.Random(0)
+    for path in clone.rglob("*"):
+        age = chance.uniform(0, 1e9)
+        os.utime(path, (age, age), follow_symlinks=False)
+    return clone
 
 
 def test_everything_of_the_papers_budget(clone: Path) -> None:
-    jobs = len(blocks(load_configuration("paper")))
+    configuration = load_configuration("paper")
+    trial_jobs = [trial for name in variants() for trial in trials(configuration, name)]
     plan = planned(clone, "all", "--config", "budget=paper")
-    assert plan["run"] == jobs
+    assert plan["run"] == len(blocks(configuration)) + len(trial_jobs)
     assert sum(rule.endswith("_notebook") for rule in plan) == 7
-    assert sum(rule.startswith("sensitivity_") for rule in plan) == len(variants())
 
 
 def test_table_1_of_the_papers_budget_needs_only_the_papers_configurations(clone: Path) -> None:
     budget = load_configuration("paper").budget
-    jobs = 16 * budget.seeds // budget.seeds_per_job
+    jobs = sum(4 * budget.seeds // budget.seeds_per_job_of(task) for task in budget.tasks)
     target = "figures/paper/table1.tex"
     assert planned(clone, target, "--config", "budget=paper") == {"run": jobs, "tables_notebook": 1}
+
+
+DEMO = ("tables", "figures", "claims", "--config", "budget=demo")
+NOTEBOOKS = {
+    f"{name}_notebook": 1
+    for name in ("tables", "efficiency", "ablation", "convergence", "heatmaps", "claims")
+}
+
+
+@contextmanager
+def edited(path: Path, old: str, new: str) -> Iterator[None]:
+    """Other text in a file for a while."""
+    before = path.read_text()
+    assert old in before
+    path.write_text(before.replace(old, new))
+    try:
+        yield
+    finally:
+        path.write_text(before)
+
+
+def test_shipped_records_are_used_as_they_are(clone: Path) -> None:
+    assert planned(clone, *DEMO) == NOTEBOOKS
+
+
+def test_a_record_that_is_there_is_no_error_to_ask_for(clone: Path) -> None:
+    record = str(blocks(load_configuration("demo"))[0].record)
+    assert planned(clone, record, "--config", "budget=demo") == {}
+
+
+def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
+    record = clone / random.Random(1).choice(blocks(load_configuration("demo"))).record
+    aside = record.rename(record.with_suffix(".aside"))
+    try:
+        assert planned(clone, *DEMO) == NOTEBOOKS | {"run": 1}
+    finally:
+        aside.rename(record)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "methods", "reason"),
+    [
+        (
+            "elitism: 2 ",
+            "elitism: 3 ",
+            {"neat", "neat_wo", "hebb", "oja", "bcm"},
+            "neat.elitism is 2 there and 3 here",
+        ),
+        (
+            "{rule: hebb, weight_mutation: off}",
+            "{rule: hebb, weight_mutation: 0.1}",
+            {"hebb"},
+            "neat.weight_mutation is 'off' there and 0.1 here",
+        ),
+    ],
+)
+def test_a_changed_constant_plans_the_runs_that_it_affects_and_says_why(
+    old: str, new: str, methods: set[str], reason: str, clone: Path
+) -> None:
+    every = blocks(load_configuration("demo"))
+    affected = [block.record for block in every if block.cell.method in methods]
+    with edited(clone / "config" / "base.yaml", old, new):
+        said = snakemake(clone, *DEMO, "--dry-run").stdout
+    assert set(re.findall(r"^Job \d+: (.*)$", said, re.MULTILINE)) == {
+        f"{record} is of another specification: {reason}" for record in affected
+    }
 
 
 def test_every_table_and_figure_is_a_target(clone: Path) -> None:
