@@ -40,7 +40,11 @@ def _keys(root: type[BaseModel], loc: tuple[str, ...]) -> list[str]:
     place: Any = root
     for key in loc:
         is_model = isinstance(place, type) and issubclass(place, BaseModel)
-        place = place.model_fields[key].annotation if is_model else get_args(place)[1]
+        if is_model:
+            place = place.model_fields[key].annotation
+        else:  # tuple[Item, ...] or dict[str, Item]
+            first, second = get_args(place)
+            place = first if second is Ellipsis else second
     return [key for key in place.model_fields if key != "name"]
 
 

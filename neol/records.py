@@ -19,7 +19,9 @@ import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pydantic_core
+from pydantic import ValidationError
 
+from neol.complaint import one_line
 from neol.errors import UserError
 from neol.evolution import COLUMNS, Generation
 from neol.files import read_bounded, write_atomically
@@ -266,6 +268,9 @@ def read_record(path: Path, spec: RunSpec | None = None) -> Record:
         raise _unusable(path, f"of another specification: {difference}")
     try:
         return _validated(text, table)
+    except ValidationError as error:
+        root = Metadata if error.title == Metadata.__name__ else RunSpec
+        raise _unusable(path, f"damaged: {one_line(error, root)}") from None
     except Exception as error:
         raise _unusable(path, f"damaged: {error}") from None
 

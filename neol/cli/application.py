@@ -34,7 +34,8 @@ app = typer.Typer(
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    epilog="Exit codes: 0 done, 1 a bug of ours, 2 wrong input, 130 interrupted, 143 terminated.",
+    epilog="Exit codes: 0 done, 1 a bug of ours, 2 wrong input, 3 neol verify found something "
+    "wrong, 130 interrupted, 143 terminated.",
 )
 
 

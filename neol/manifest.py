@@ -1,0 +1,116 @@
+"""The manifest: which records a budget's folder holds, so that none changes or goes unnoticed."""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, ValidationError
+from pydantic_core import PydanticCustomError
+
+from neol.complaint import one_line
+from neol.errors import UserError
+from neol.files import read_bounded, write_atomically
+from neol.records import Record, read_record
+from neol.spec import Model
+
+NAME = "manifest.json"
+MAX_BYTES = 2**26
+
+
+def _below(path: str) -> str:
+    parts = PurePosixPath(path).parts
+    if not parts or parts[0] == "/" or ".." in parts:
+        raise PydanticCustomError("below", "must be a path below the manifest's folder")
+    return path
+
+
+Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class Entry(Model):
+    """What the manifest says of one record."""
+
+    path: Annotated[str, AfterValidator(_below)]
+    """From the manifest's folder on, with slashes."""
+    sha256: Sha256
+    """Of the file."""
+    spec_digest: Sha256
+    """Of the specification without the seed."""
+    seeds: tuple[int, ...]
+    commits: tuple[str, ...]
+    """Those that made its runs, sorted; with -dirty where code or constants differed."""
+
+    @classmethod
+    def of(cls, path: Path, record: Record, folder: Path) -> Self:
+        """The entry of a record that lies below a folder."""
+        made_by = [info.provenance for info in record.seeds]
+        return cls(
+            path=path.relative_to(folder).as_posix(),
+            sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+            spec_digest=record.spec_digest,
+            seeds=tuple(info.seed for info in record.seeds),
+            commits=tuple(sorted({f"{p.commit}{'-dirty' * bool(p.dirty)}" for p in made_by})),
+        )
+
+
+class Manifest(Model):
+    """The records below a folder."""
+
+    version: Literal[1] = 1
+    budget: str | None
+    """That all of them belong to."""
+    records: tuple[Entry, ...]
+    """By path."""
+
+
+def records_below(folder: Path) -> Iterator[Path]:
+    """The records in a folder and those below it, sorted; work in progress left out."""
+    for path in sorted(folder.rglob("*.parquet"), key=Path.as_posix):
+        if not any(part.endswith(".partial") for part in path.relative_to(folder).parts[:-1]):
+            yield path
+
+
+def write_manifest(folder: Path) -> Manifest:
+    """Write the manifest of the records below a folder, atomically; same records, same bytes.
+
+    Raises UserError for a record that is not whole or of another budget than the first.
+    """
+    entries: list[Entry] = []
+    budgets: dict[str | None, Path] = {}
+    for path in records_below(folder):
+        record = read_record(path)
+        entries.append(Entry.of(path, record, folder))
+        budgets.setdefault(record.budget, path)
+    if not entries:
+        raise UserError(f"{folder}: holds no records")
+    if len(budgets) > 1:
+        (one, first), (other, second) = list(budgets.items())[:2]
+        raise UserError(
+            f"{second}: is of budget {other}, {first} of {one}; give each budget its own folder"
+        )
+    manifest = Manifest(budget=next(iter(budgets)), records=tuple(entries))
+    write_atomically(folder / NAME, _text(manifest).encode())
+    return manifest
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """The manifest of a folder. Raises UserError where there is none or it is damaged."""
+    path = folder / NAME
+    way_out = f"restore it, or write it anew by neol manifest {folder}"
+    try:
+        manifest = Manifest.model_validate_json(read_bounded(path, MAX_BYTES))
+    except ValidationError as error:
+        raise UserError(f"{path}: damaged: {one_line(error, Manifest)}; {way_out}") from None
+    paths = [entry.path for entry in manifest.records]
+    if paths != sorted(set(paths)):
+        raise UserError(f"{path}: damaged: not sorted, or a record twice; {way_out}")
+    return manifest
+
+
+def _text(manifest: Manifest) -> str:
+    """As JSON, a line a record."""
+    head = json.dumps({"version": manifest.version, "budget": manifest.budget})[:-1]
+    entries = ",\n".join(json.dumps(entry.model_dump(mode="json")) for entry in manifest.records)
+    return f'{head}, "records": [\n{entries}\n]}}\n'

@@ -1,0 +1,193 @@
+"""Replays: runs repeated from their seeds and compared with their records, bit for bit.
+
+docs/verification.md has how far bits travel, and so what a difference can mean.
+"""
+
+import contextlib
+import platform
+import random
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from neol.evolution import COLUMNS, Evolution
+from neol.provenance import Provenance, provenance
+from neol.records import Champion, HeldOut, Record, SeedInfo, read_record
+from neol.rollout import make_engine
+from neol.rollout.reference import network_size
+from neol.verify import ROUNDING, Finding
+
+Run = tuple[Path, int]
+"""A record and one of its seeds."""
+
+UNROUNDED = ("nodes_mean", "connections_mean", "nodes_best", "connections_best")
+"""In the first generation these are the same on every machine; `evaluations` always is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A value of a record that its replay does not give."""
+
+    generation: int | None
+    column: str
+    stored: object
+    replayed: object
+
+    @property
+    def in_last_bits(self) -> bool:
+        """Whether rounding explains it."""
+        if not (isinstance(self.stored, float) and isinstance(self.replayed, float)):
+            return False
+        largest = max(abs(self.stored), abs(self.replayed))
+        return abs(self.stored - self.replayed) <= ROUNDING * largest
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """A run, or its champion's held-out episodes, repeated."""
+
+    run: Run
+    task: str
+    made_by: Provenance
+    generations: int
+    """How many were repeated; 0 for held-out episodes."""
+    complete: bool
+    """Whether these were all, so that digest and champion were compared too."""
+    differences: tuple[Difference, ...]
+    """In the order in which they arose; none where every bit is the same."""
+
+
+def draw(runs: Iterable[Run], count: int, seed: int) -> list[Run]:
+    """So many of the runs at random, each once; all of them if there are no more."""
+    every = sorted(runs)
+    return sorted(random.Random(seed).sample(every, min(count, len(every))))
+
+
+def replay(run: Run, generations: int) -> Replay:
+    """Repeat a run's first generations; with its last one, digest and champion are compared too."""
+    record, info = _read(run)
+    spec, stored = record.spec_of(info.seed), record.rows_of(info.seed)
+    generations = min(generations, len(stored["generation"]))
+    complete = generations == len(stored["generation"])
+    evolution = Evolution.begin(spec, *network_size(spec.task))
+    differences = []
+    with contextlib.closing(make_engine(spec.task)) as engine:
+        for number in range(generations):
+            row = evolution.step(engine)
+            for column in COLUMNS:
+                old, new = stored[column][number].item(), getattr(row, column)
+                differences += _compare(number + 1, column, old, new)
+    if complete:
+        differences += _compare(None, "digest", info.digest, evolution.digest)
+        new_champion = Champion.of(evolution.champion())
+        for name, old in info.champion:
+            differences += _compare(None, f"champion.{name}", old, getattr(new_champion, name))
+    return Replay(run, spec.task.name, info.provenance, generations, complete, tuple(differences))
+
+
+def replay_champion(run: Run) -> Replay:
+    """Repeat the held-out episodes of a run's champion."""
+    record, info = _read(run)
+    spec = record.spec_of(info.seed)
+    evolution = Evolution.begin(spec, *network_size(spec.task))
+    evolution.population = [info.champion.genome()]
+    with contextlib.closing(make_engine(spec.task)) as engine:
+        again = HeldOut.of(evolution.held_out_returns(engine))
+    differences = _compare(None, "held_out.returns", info.held_out.returns, again.returns)
+    return Replay(run, spec.task.name, info.provenance, 0, False, tuple(differences))
+
+
+def _read(run: Run) -> tuple[Record, SeedInfo]:
+    path, seed = run
+    record = read_record(path)
+    return record, next(info for info in record.seeds if info.seed == seed)
+
+
+def _compare(generation: int | None, column: str, old: object, new: object) -> list[Difference]:
+    """The differences, item by item where both are sequences of the same length."""
+    if isinstance(old, tuple) and isinstance(new, tuple) and len(old) == len(new):
+        pairs = enumerate(zip(old, new, strict=True))
+        return [d for i, (a, b) in pairs for d in _compare(generation, f"{column}[{i}]", a, b)]
+    # repr tells -0.0 from 0.0 and every two floats apart
+    return [] if repr(old) == repr(new) else [Difference(generation, column, old, new)]
+
+
+# --- What a difference means --------------------------------------------------------------------
+
+
+def findings(replays: Sequence[Replay]) -> Iterator[Finding]:
+    """The first difference of each replay, and what it means in the light of all of them."""
+    for each in replays:
+        if each.differences:
+            first = each.differences[0]
+            path, seed = each.run
+            values = f"{_short(first.stored)} stored, {_short(first.replayed)} replayed"
+            yield Finding(
+                path, _meaning(each, replays), seed, first.generation, first.column, values
+            )
+
+
+def _meaning(this: Replay, replays: Sequence[Replay]) -> str:
+    if reason := _beyond_machines(this):
+        return f"edited: {reason}"
+    here = provenance()
+    apart = machine_differences(this.made_by, here)
+    if this.differences[0].in_last_bits and apart:
+        return f"this machine computes differently: the last bits differ first, and {apart}"
+    code = ""
+    if here.dirty or here.commit != this.made_by.commit:
+        there = f"{this.made_by.commit}"[:10]
+        code = f", or made by other code (commit {there} there, {f'{here.commit}'[:10]} here)"
+    if not apart:
+        return f"edited{code}: this machine has the same versions, CPU and libc"
+    same = [each for each in replays if (each.task, each.made_by) == (this.task, this.made_by)]
+    if agreeing := [each for each in replays if not each.differences and each in same]:
+        return f"edited{code}: other runs of {this.task}, like {_name(agreeing[0])}, agree here"
+    return f"edited{code}, or this machine computes differently: {apart}"
+
+
+def _beyond_machines(this: Replay) -> str:
+    """Why no machine that rounds differently explains it; empty where one may."""
+    first = this.differences[0]
+    if first.column == "evaluations" or (first.generation == 1 and first.column in UNROUNDED):
+        return "no machine gives another value"
+    if all(difference.in_last_bits for difference in this.differences):
+        return ""
+    columns = {difference.column for difference in this.differences}
+    if this.complete and "digest" not in columns:
+        return "the digest of the trajectory agrees"
+    stored, replayed = (
+        [getattr(d, key) for d in this.differences] for key in ("stored", "replayed")
+    )
+    if not this.generations:
+        same = sorted(map(str, stored)) == sorted(map(str, replayed))
+        return "these are the right returns in another order" if same else ""
+    if first.generation is None:
+        return ""
+    changed = [difference.generation for difference in this.differences]
+    if changed.count(first.generation) == 1 and not first.in_last_bits:
+        return "the other values of this generation agree"
+    later = sorted(set(range(first.generation, this.generations + 1)) - set(changed))
+    return f"generation {later[0]} agrees again" if later else ""
+
+
+def machine_differences(there: Provenance, here: Provenance) -> str:
+    """What of two machines may make last bits differ: empty where nothing does."""
+    pairs = {name: (old, here.versions.get(name)) for name, old in there.versions.items()}
+    del pairs["neol"]
+    pairs["CPU"] = there.cpu.partition(" x ")[2], here.cpu.partition(" x ")[2]
+    pairs["libc"] = there.libc, here.libc
+    if platform.machine() not in there.platform:
+        pairs["platform"] = there.platform, here.platform
+    return ", ".join(
+        f"{name} is {old} there and {new} here" for name, (old, new) in pairs.items() if old != new
+    )
+
+
+def _name(replay: Replay) -> str:
+    return f"seed {replay.run[1]} of {replay.run[0].name}"
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}..."
