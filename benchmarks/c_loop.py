@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.trajectories import Recording
-from neol.plasticity import RULES
 
+NUMBERS = {"none": 0, "hebb": 1, "oja": 2, "bcm": 3}
+"""Of the rules in loop.c."""
 FLAGS = ("-O3", "-ffp-contract=off", "-fPIC", "-shared")
 
 
@@ -44,7 +45,7 @@ def play_back(recording: Recording, rule: str) -> npt.NDArray[np.float64]:
         pointer(threshold),
         ctypes.c_int64(networks.inputs),
         ctypes.c_double(networks.sum_limit),
-        ctypes.c_int(RULES[rule]),
+        ctypes.c_int(NUMBERS[rule]),
         ctypes.c_double(plasticity.learning_rate * plasticity.reward_scale),
         ctypes.c_double(plasticity.threshold_rate),
         ctypes.c_double(plasticity.weight_limit),

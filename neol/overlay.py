@@ -71,11 +71,11 @@ class Overlay:
         path = key.strip().split(".")
         if not (equals and all(path)):
             raise UserError(f'--set "{override}": write it as key=value, like neat.elitism=3')
-        self._add(tuple(path), _parse(value, f"--set {override}"), "--set")
+        self.add(tuple(path), _parse(value, f"--set {override}"), "--set")
 
     def add_option(self, option: str, loc: tuple[str, ...], value: str) -> None:
         """Lay the value of a command line's option over what is there."""
-        self._add(loc, _parse(value, f"{option} {value}"), option)
+        self.add(loc, _parse(value, f"{option} {value}"), option)
         self._options[loc] = option
 
     def source(self, loc: tuple[str, ...]) -> str:
@@ -88,7 +88,8 @@ class Overlay:
         """What a user has to mend for the value at a path of keys: an option, or a source's key."""
         return self._options.get(loc) or f"{self.source(loc)}: {'.'.join(loc)}"
 
-    def _add(self, loc: tuple[str, ...], content: Any, source: str) -> None:
+    def add(self, loc: tuple[str, ...], content: Any, source: str) -> None:
+        """Lay a value over what is there."""
         for key in reversed(loc):
             content = {key: content}
         self._merge(self.values, content, source, ())

@@ -1,36 +1,33 @@
 """Online plasticity: how weights learn after every step of an episode (paper A.3, Algorithm 2).
 
-Every rule is local: presynaptic activity x, postsynaptic activity y, weight w, threshold theta.
-The reward opens its gate: gate = eta * beta * r.
+The reward opens a rule's gate: gate = eta * beta * r. The loop over a network's connections is
+compiled for each rule apart and called by its address, so kernels are the same for all rules.
 """
 
 import math
+from functools import cache
+from typing import Any
 
+import numba
 import numpy as np
 import numpy.typing as npt
+from numba import types
+from numba.extending import register_jitable
 
+from neol.errors import UserError
+from neol.foreign import call_int
 from neol.kernel import kernel
+from neol.rules import NO_RULE, Rule, find_rule
 
-RULES = {"none": 0, "hebb": 1, "oja": 2, "bcm": 3}
-NONE, HEBB, OJA, BCM = RULES.values()
-
-
-@kernel
-def hebb(x: float, y: float) -> float:
-    """Hebb's rule (Equation 1)."""
-    return x * y
-
-
-@kernel
-def oja(x: float, y: float, w: float) -> float:
-    """Oja's rule: Hebb's with a decay that bounds the weights (Equation 2)."""
-    return y * (x - y * w)
-
-
-@kernel
-def bcm(x: float, y: float, theta: float) -> float:
-    """The BCM rule: depression below the threshold theta, potentiation above (Equation 3)."""
-    return y * (y - theta) * x
+_INTEGERS: Any = types.CPointer(types.int64)  # type: ignore[no-untyped-call]
+_FLOATS: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
+_SIGNATURE = types.int32(
+    *(types.int64, types.int64),  # first, last
+    *(_INTEGERS, _INTEGERS, _FLOATS, _FLOATS),  # edge_offset, source, weight, threshold
+    *(types.int64, types.float64, types.float64, types.float64),  # inputs, gate, rate, limit
+    _FLOATS,  # values
+)
+"""Of a compiled loop: the arguments of `learn` without the rule."""
 
 
 @kernel
@@ -51,27 +48,60 @@ def learn(
     """Let the nodes first..last of a batch learn from one step, in place (Algorithm 2, line 11).
 
     The network's arrays are those of `neol.network.Networks`; `values` holds the activities of
-    the forward pass that chose the action; `gate` is eta * beta * r. Weights are clipped to
-    +-weight_limit; BCM's thresholds (one a node) then move by theta += alpha * (y^2 - theta).
-    Returns whether all weights stayed finite. (Unsigned indices as in `neol.network.forward`.)
+    the forward pass that chose the action; `rule` is what `compiled` gives; `gate` is
+    eta * beta * r. Returns whether all weights stayed finite.
     """
-    if rule == NONE:
+    if rule == 0:
         return True
-    finite = True
-    for node in range(first, last):
-        y = values[inputs + node - first]
-        theta = threshold[node]
-        for edge in range(np.uint64(edge_offset[node]), np.uint64(edge_offset[node + 1])):
-            x = values[np.uint64(source[edge])]
-            w = weight[edge]
-            if rule == HEBB:
-                w += gate * hebb(x, y)
-            elif rule == OJA:
-                w += gate * oja(x, y, w)
-            else:
-                w += gate * bcm(x, y, theta)
-            finite &= math.isfinite(w)
-            weight[edge] = min(max(w, -weight_limit), weight_limit)
-        if rule == BCM:
-            threshold[node] = theta + threshold_rate * (y * y - theta)
-    return finite
+    finite: int = call_int(
+        rule,
+        first,
+        last,
+        edge_offset,
+        source,
+        weight,
+        threshold,
+        inputs,
+        gate,
+        threshold_rate,
+        weight_limit,
+        values,
+    )
+    return finite != 0
+
+
+def compiled(rule: str) -> int:
+    """The address of a rule's compiled loop; 0 for no rule. Raises UserError for an unknown one."""
+    return 0 if rule == NO_RULE else int(learner(find_rule(rule)).address)
+
+
+@cache
+def learner(rule: Rule) -> Any:
+    """A rule's loop over connections as a C function; called from Python it is the plain twin.
+
+    Weights are clipped to +-weight_limit; each node's threshold then moves by
+    theta += alpha * (y^2 - theta). Raises UserError where the rule cannot be compiled.
+    """
+    change = register_jitable(error_model="numpy")(rule.change)
+
+    def loop(first, last, offset, source, weight, threshold, inputs, gate, alpha, limit, values):  # type: ignore[no-untyped-def]
+        finite = True
+        for node in range(first, last):
+            y = values[inputs + node - first]
+            theta = threshold[node]
+            for edge in range(offset[node], offset[node + 1]):
+                w = weight[edge]
+                w += gate * change(values[source[edge]], y, w, theta)
+                finite &= math.isfinite(w)
+                weight[edge] = min(max(w, -limit), limit)
+            threshold[node] = theta + alpha * (y * y - theta)
+        return finite
+
+    loop.__qualname__ = f"learn_{rule.name}"  # by which the cache and the linker tell loops apart
+    # A rule from elsewhere is compiled in each process: nothing would tell that it was edited.
+    cached = rule.change.__module__.startswith("neol.")
+    try:
+        return numba.cfunc(_SIGNATURE, cache=cached, error_model="numpy")(loop)
+    except numba.core.errors.NumbaError as error:
+        check = f"numba.njit({rule.name})(1.0, 1.0, 1.0, 1.0)"
+        raise UserError(f"rule {rule.name}: numba cannot compile it; {check} says why") from error

@@ -67,7 +67,7 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
                 task=task,
                 method=method,
                 population=min(budget.populations),
-                learning_rate=None if changed.methods[method].rule == "none" else rate,  # type: ignore[index]
+                learning_rate=None if changed.methods[method].rule == "none" else rate,
                 generations=max(2, budget.generations // 5),
                 seed=seeds[0],
             ),

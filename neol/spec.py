@@ -8,25 +8,29 @@ which editors check these files with.
 import hashlib
 import json
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, cast
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     ValidationError,
     ValidatorFunctionWrapHandler,
     WrapValidator,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from neol.complaint import hint, one_line
 from neol.errors import UserError
 from neol.overlay import Overlay
+from neol.rules import NO_RULE, RULES, WITHOUT_RULE
 
 _PACKAGE = Path(__file__).resolve().parent
 # A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
@@ -53,6 +57,31 @@ def _distinct(values: tuple[Item, ...]) -> tuple[Item, ...]:
     return values
 
 
+@dataclass(frozen=True, slots=True)
+class _OneOf:
+    """Allows a string among names that are asked for each time: rules may be added."""
+
+    names: Callable[[], Sequence[str]]
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {**handler(schema), "enum": list(self.names())}
+
+    def _check(self, value: str) -> str:
+        *most, last = map(repr, self.names())
+        if value not in self.names():
+            raise PydanticCustomError(
+                "one_of", "must be {most} or {last}", {"most": ", ".join(most), "last": last}
+            )
+        return value
+
+
 Probability = Annotated[float, Field(ge=0, le=1)]
 PositiveInt = Annotated[int, Field(ge=1)]
 NonNegativeInt = Annotated[int, Field(ge=0)]
@@ -66,8 +95,8 @@ Several = Annotated[
     AfterValidator(_distinct),
 ]
 
-Rule = Literal["none", "hebb", "oja", "bcm"]
-MethodName = Literal["neat", "neat_wo", "hebb", "oja", "bcm"]
+RuleName = Annotated[str, _OneOf(lambda: [NO_RULE, *RULES])]
+MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES])]
 WeightMutation = Annotated[Literal["off", "config"] | Probability, WrapValidator(_in_one_sentence)]
 
 
@@ -110,7 +139,7 @@ class PlasticityConstants(Model):
     reward_scale: PositiveFloat
     """beta."""
     threshold_rate: Annotated[float, Field(gt=0, le=1)]
-    """alpha of BCM's sliding threshold."""
+    """alpha of the sliding threshold."""
     weight_limit: PositiveFloat
     """A weight is clipped to +- this after every update."""
     write_back: bool
@@ -120,7 +149,8 @@ class PlasticityConstants(Model):
 class Plasticity(PlasticityConstants):
     """The plasticity of a run."""
 
-    rule: Rule
+    rule: Text
+    """A record may name one that is not known here; no engine plays with it."""
     learning_rate: NonNegativeFloat
     """eta."""
 
@@ -190,9 +220,9 @@ class Neat(NeatConstants):
 
 
 class Method(Model):
-    """What distinguishes NEAT, NEAT (w/o) and the three rules of NEOL."""
+    """What distinguishes NEAT, NEAT (w/o) and the rules of NEOL."""
 
-    rule: Rule
+    rule: RuleName
     weight_mutation: WeightMutation
     """WM_MODE: off, config or a probability."""
 
@@ -201,7 +231,7 @@ class RunSpec(Model):
     """Everything that a run's trajectory is a function of."""
 
     task: Task
-    method: MethodName
+    method: Text
     population: Population
     """P."""
     generations: PositiveInt
@@ -214,7 +244,7 @@ class RunSpec(Model):
 
     @model_validator(mode="after")
     def _agrees(self) -> "RunSpec":
-        if self.plasticity.rule == "none" and self.plasticity.learning_rate > 0:
+        if self.plasticity.rule == NO_RULE and self.plasticity.learning_rate > 0:
             raise PydanticCustomError("rate", "a learning rate needs a plasticity rule")
         if self.neat.min_species_size > self.population:
             raise PydanticCustomError(
@@ -285,13 +315,12 @@ class Configuration(Model):
         Raises UserError for whatever is not allowed.
         """
         self.check_names(task, method)
-        name = cast(MethodName, method)
-        chosen = self.methods[name]
-        if chosen.rule == "none" and learning_rate is not None:
+        chosen = self.methods[method]
+        if chosen.rule == NO_RULE and learning_rate is not None:
             raise UserError(
                 f"learning_rate = {learning_rate}: {method} does not learn online, leave it out"
             )
-        if chosen.rule != "none" and learning_rate is None:
+        if chosen.rule != NO_RULE and learning_rate is None:
             grid = ", ".join(f"{rate:g}" for rate in self.budget.learning_rates)
             raise UserError(
                 f"{method} needs a learning rate (budget {self.budget.name} has {grid})"
@@ -304,7 +333,7 @@ class Configuration(Model):
         try:
             return RunSpec(
                 task=self.tasks.get(task) or Task(name=task, **constants),
-                method=name,
+                method=method,
                 population=population,
                 generations=generations,
                 seed=seed,
@@ -341,6 +370,7 @@ def load_configuration(
         raise UserError(f'unknown budget "{budget}"{hint(budget, budgets())}')
     overlay = Overlay()
     overlay.add_file(CONFIG / "base.yaml")
+    _add_methods(overlay)
     overlay.add_file(CONFIG / f"{budget}.yaml")
     for override in overrides:
         overlay.add_override(override)
@@ -370,6 +400,15 @@ def schema() -> dict[str, Any]:
     for named in ("Budget", "Task"):
         del whole["$defs"][named]["properties"]["name"]
     return whole
+
+
+def _add_methods(overlay: Overlay) -> None:
+    """Make each rule that the files do not speak of a method, like the paper's three."""
+    methods = overlay.values.get("methods")
+    for name in RULES:
+        if isinstance(methods, dict) and name not in methods:
+            constants = {"rule": name, "weight_mutation": "off"}
+            overlay.add(("methods", name), constants, "neol/rules.py")
 
 
 def _name(overlay: Overlay, loc: tuple[str, ...], name: str) -> None:

@@ -12,7 +12,8 @@ import pytest
 from neol.kernel import UNUSED_SECONDS, _cache_folder, kernel, source_digest
 
 COMPILE = (
-    "import numba; from neol.plasticity import hebb; hebb(1.0, 2.0); print(numba.config.CACHE_DIR)"
+    "import numba; from neol.network import activate; activate(1.0, 0); "
+    "print(numba.config.CACHE_DIR)"
 )
 
 
@@ -31,7 +32,7 @@ def cache_of_a_process(**environment: str) -> Path:
 def test_kernels_are_cached_under_the_digest_of_their_sources(tmp_path: Path) -> None:
     folder = cache_of_a_process(NUMBA_CACHE_DIR=str(tmp_path))
     assert folder == tmp_path / f"kernels-{source_digest()}"
-    assert list(folder.rglob("plasticity.hebb-*.nbc"))
+    assert list(folder.rglob("network.activate-*.nbc"))
 
 
 def test_a_cache_that_cannot_be_written_is_made_elsewhere_and_found_again(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import typer
 
 from neol.cli.application import DEFAULT_BUDGET, Budget, Overrides, app, complain, examples
 from neol.errors import UserError
+from neol.rules import RULES, WITHOUT_RULE
 
 if TYPE_CHECKING:
     from neol.records import Record
@@ -36,12 +37,12 @@ def run(
             help="cartpole, lunar_lander, hopper, bipedal_walker, or gym:ID of any other."
         ),
     ],
-    method: Annotated[str, typer.Option(help="neat, neat_wo, hebb, oja or bcm.")],
+    method: Annotated[str, typer.Option(help=", ".join((*WITHOUT_RULE, *RULES)) + ".")],
     population: Annotated[int, typer.Option(help="P, 2 to 100000.")],
     generations: Annotated[int, typer.Option(help="G, at least 1.")],
     output: Annotated[Path, typer.Option(help="The record: a Parquet file that does not exist.")],
     learning_rate: Annotated[
-        float | None, typer.Option(help="eta, for hebb, oja and bcm only.")
+        float | None, typer.Option(help="eta, for a method with a plasticity rule only.")
     ] = None,
     seed: Annotated[str, typer.Option(help="One or several: 3, 0-4 or 0,3,7.")] = "0",
     episodes: Annotated[int | None, typer.Option(help="N: episodes of an evaluation.")] = None,

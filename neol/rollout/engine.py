@@ -21,7 +21,7 @@ class Rollouts:
     weight: npt.NDArray[np.float64]
     """float64[E]: the weights that each network's last episode ended with."""
     threshold: npt.NDArray[np.float64]
-    """float64[M]: BCM's thresholds at the end of the last episode."""
+    """float64[M]: sliding thresholds at the end of the last episode; 0 without a rule."""
     failed: npt.NDArray[np.bool_]
     """bool[P]: an observation, a weight or a sum of rewards was not finite."""
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.network import Networks
-from neol.plasticity import RULES
+from neol.plasticity import compiled
 from neol.rollout.box2d import library as box2d
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, World
@@ -60,7 +60,7 @@ class FastEngine:
             source=networks.source,
             inherited_weight=networks.weight,
             max_steps=self._max_steps,
-            rule=RULES[plasticity.rule],
+            rule=compiled(plasticity.rule),
             rate=plasticity.learning_rate * plasticity.reward_scale,
             threshold_rate=plasticity.threshold_rate,
             weight_limit=plasticity.weight_limit,

@@ -15,8 +15,9 @@ import numpy.typing as npt
 
 from neol.errors import UserError
 from neol.network import Networks, forward
-from neol.plasticity import NONE, RULES, learn
+from neol.plasticity import compiled, learn
 from neol.rollout.engine import Rollouts
+from neol.rules import NO_RULE
 from neol.spec import Plasticity, Task
 
 
@@ -183,11 +184,11 @@ class ReferenceEngine:
             self._environment.close()
             self._environment = make_environment(self._task, self._render_mode)
         observation, _ = self._environment.reset(seed=seed)
-        rule = RULES[plasticity.rule]
+        rule = compiled(plasticity.rule)
         total, steps, done = 0.0, 0, False
         while not done:
             if steps == plastic_steps:
-                rule = NONE
+                rule = compiled(NO_RULE)
             if not np.isfinite(observation).all():
                 return math.nan, steps
             values[: networks.inputs] = observation

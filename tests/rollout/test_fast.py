@@ -10,18 +10,19 @@ import numpy.typing as npt
 import pytest
 
 from neol.network import ACTIVATIONS, Networks
-from neol.plasticity import RULES
 from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.box2d import library as box2d
 from neol.rollout.episodes import Batch
 from neol.rollout.fast import FastEngine, fast_engine
 from neol.rollout.reference import ReferenceEngine, network_size
+from neol.rules import NO_RULE, RULES
 from neol.spec import Plasticity, Task, load_configuration
 from tests.core import require_core
 from tests.networks import random_networks
 from tests.rollout.test_hopper import STANDING
 
 CONFIGURATION = load_configuration("paper")
+WITH_NONE = (NO_RULE, *RULES)
 MAX_STEPS = {
     "cartpole": 60,
     "hopper": 60,
@@ -62,10 +63,10 @@ def assert_same(actual: Rollouts, expected: Rollouts) -> None:
 
 def cases() -> Iterator[tuple[int, Plasticity, dict[str, object]]]:
     """Every rule with write-back on and off, among them weights that run to their limits."""
-    for number, rule in enumerate(RULES):
+    for number, rule in enumerate(WITH_NONE):
         for write_back in (True, False):
             yield number, plasticity_of(rule, write_back=write_back), {}
-    for number, rule in enumerate(RULES, start=4):
+    for number, rule in enumerate(WITH_NONE, start=4):
         activation = list(ACTIVATIONS)[number % 4]
         saturating = plasticity_of(rule, learning_rate=500.0)
         yield number, saturating, {"activation": activation, "weight_sd": 4.0}
@@ -132,7 +133,7 @@ def test_equal_to_the_end_of_whole_episodes(name: str) -> None:
     """Up to the paper's own limit of steps, with each rule."""
     task = CONFIGURATION.tasks[name]
     reference, network, seeds = ReferenceEngine(task), heuristic(name), seeds_of(1, 2)
-    for rule in RULES:
+    for rule in WITH_NONE:
         plasticity = plasticity_of(rule, learning_rate=0.025)
         rollouts = fast(task).evaluate(network, seeds, plasticity)
         assert_same(rollouts, reference.evaluate(network, seeds, plasticity))
