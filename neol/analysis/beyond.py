@@ -13,8 +13,10 @@ import numpy as np
 import pandas as pd
 
 from neol.analysis import reference
-from neol.analysis.outcomes import Outcomes
+from neol.analysis.labels import challengers, shown_methods
+from neol.analysis.outcomes import EQUAL, Outcomes
 from neol.analysis.statistics import (
+    Effect,
     Floats,
     bootstrap,
     estimate,
@@ -23,14 +25,13 @@ from neol.analysis.statistics import (
     interval,
     mean_interval,
     mean_superiority,
-    paper_statistic,
     performance_profile,
     rank_sum,
     seeds_needed,
     superiority,
 )
+from neol.spec import Budget
 
-RULES = ("bcm", "hebb", "oja")
 COMPARISONS = (
     ("final fitness", "table3", "final_best", "neat", 5),
     ("SCORE", "score", "score", "neat", 6),
@@ -39,70 +40,47 @@ COMPARISONS = (
 )
 """The declared family of tests: name, setting, metric, against whom, the paper's table of p-values.
 
-Three rules on each task in each: with four tasks 48 tests.
+Every rule on each task in each: three rules and four tasks make 48 tests.
 """
 SOLVED = {"cartpole": 475.0, "lunar_lander": 200.0, "hopper": 3800.0, "bipedal_walker": 300.0}
 """Gymnasium's own reward thresholds: the unit in which returns of all tasks are put together."""
 
 
-def effects(outcomes: Outcomes, tasks: Sequence[str], seed: int = 0) -> pd.DataFrame:
+def effects(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
     """Each rule against NEAT: A12 with interval, p-values, Holm's over the family, seeds needed.
 
     A row with task "all" is the probability of improvement: A12 averaged over the tasks.
     """
     random = np.random.default_rng(seed)
-    rows = []
+    rows: list[dict[str, object]] = []
     for name, setting, metric, against, table in COMPARISONS:
-        printed = reference.values(table) if table else {}
-        for rule in RULES:
+        for rule in challengers(budget):
+            place: dict[str, object] = {"comparison": name, "method": rule, "against": against}
             pairs = {
                 task: [_chosen(outcomes, setting, task, each, metric) for each in (rule, against)]
-                for task in tasks
+                for task in budget.tasks
             }
             for task, pair in pairs.items():
-                a12 = estimate(superiority, pair, random)
-                p, _ = printed.get((task, f"{rule}_vs_neat"), (math.nan, None))
-                u = paper_statistic(p, digits=4 if table == 5 else 3)
-                rows.append(
-                    {
-                        "comparison": name,
-                        "task": task,
-                        "method": rule,
-                        "against": against,
-                        "seeds": min(map(len, pair)),
-                        "a12": a12.value,
-                        "low": a12.low,
-                        "high": a12.high,
-                        "p": rank_sum(*pair),
-                        "seeds_needed": seeds_needed(a12.value),
-                        "paper_a12": math.nan if u is None else u / 900,
-                    }
-                )
-            complete = [sample for pair in pairs.values() for sample in pair]
-            overall = estimate(mean_superiority, complete, random)
-            rows.append(
-                {
-                    "comparison": name,
-                    "task": "all",
-                    "method": rule,
-                    "against": against,
-                    "seeds": min(map(len, complete)),
-                    "a12": overall.value,
-                    "low": overall.low,
-                    "high": overall.high,
+                effect = _effect(superiority, pair, random)
+                tested = {
+                    "p": rank_sum(*pair),
+                    "seeds_needed": seeds_needed(effect["a12"]),
+                    "paper_a12": reference.paper_a12(table, task, rule) if table else math.nan,
                 }
-            )
+                rows.append(place | {"task": task} | effect | tested)
+            samples = [sample for pair in pairs.values() for sample in pair]
+            rows.append(place | {"task": "all"} | _effect(mean_superiority, samples, random))
     frame = pd.DataFrame(rows)
-    frame["p_holm_family"] = holm(frame["p"].tolist())
+    frame["p_holm"] = holm(frame["p"].tolist())
     return frame
 
 
-def aggregates(outcomes: Outcomes, tasks: Sequence[str], seed: int = 0) -> pd.DataFrame:
+def aggregates(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
     """Interquartile mean of the final fitness in units of Gymnasium's thresholds, with interval."""
     random = np.random.default_rng(seed)
     rows = []
-    for method in (*RULES, "neat", "neat_wo"):
-        samples = _normalised(outcomes, tasks, method)
+    for method in shown_methods(budget):
+        samples = _normalised(outcomes, budget.tasks, method)
         for task, some in (
             *((task, [sample]) for task, sample in samples.items()),
             ("all", list(samples.values())),
@@ -113,47 +91,69 @@ def aggregates(outcomes: Outcomes, tasks: Sequence[str], seed: int = 0) -> pd.Da
     return pd.DataFrame(rows, columns=["task", "method", "seeds", "iqm", "low", "high"])
 
 
-def profiles(outcomes: Outcomes, tasks: Sequence[str], seed: int = 0) -> pd.DataFrame:
-    """Performance profiles: the share of runs above each threshold, all tasks weighing the same."""
+def profiles(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
+    """Performance profiles: the share of runs above each threshold, all tasks weighing the same.
+
+    A profile is a step function: a row says the share from its threshold to the next one. The
+    thresholds are all values that a run has, and one below, where the share is still 1.
+    """
     random = np.random.default_rng(seed)
-    thresholds = np.linspace(-0.5, 1.6, 85)
+    samples = {
+        method: list(_normalised(outcomes, budget.tasks, method).values())
+        for method in shown_methods(budget)
+    }
+    there = {method: some for method, some in samples.items() if some and all(map(len, some))}
+    columns = ["method", "threshold", "share", "low", "high"]
+    if not there:
+        return pd.DataFrame(columns=columns)
+    values = np.unique(np.concatenate([sample for some in there.values() for sample in some]))
+    below = values[0] - (0.05 * np.ptp(values) or 0.05)
+    thresholds = np.concatenate([[below], values])
     effect = performance_profile(thresholds)
     rows = []
-    for method in (*RULES, "neat", "neat_wo"):
-        samples = list(_normalised(outcomes, tasks, method).values())
-        if not samples or not min(map(len, samples)):
-            continue
-        low, high = interval(bootstrap(effect, samples, random, 1000), min(map(len, samples)))
-        rows += list(
-            zip([method] * len(thresholds), thresholds, effect(*samples), low, high, strict=True)
-        )
-    return pd.DataFrame(rows, columns=["method", "threshold", "share", "low", "high"])
+    for method, some in there.items():
+        seeds = min(len(sample) for sample in some)
+        low, high = interval(bootstrap(effect, some, random, 1000), seeds)
+        names = [method] * len(thresholds)
+        rows += list(zip(names, thresholds, effect(*some), low, high, strict=True))
+    return pd.DataFrame(rows, columns=columns)
 
 
 def efficiency(outcomes: Outcomes) -> pd.DataFrame:
     """SCORE and the best-so-far fitness at equal cost, by task, method and population.
 
-    Means over the learning rates, then over the seeds: nothing is selected. A row for each metric.
+    Means over the learning rates, then over the seeds: nothing is selected. A row for each metric;
+    `first` and `last` are the evaluations (or steps) that a mean at equal cost is taken between.
     """
-    metrics = ["score", "equal_evaluations", "equal_steps"]
+    metrics = ["score", *EQUAL]
     long = outcomes.runs.melt(
         ["task", "method", "population", "seed"], metrics, var_name="metric", value_name="value"
     )
-    return _mean_by(long, ["metric", "task", "method", "population"])
+    table = _mean_by(long, ["metric", "task", "method", "population"])
+    ranges = [(task, metric, *ends) for (task, metric), ends in outcomes.equal.items()]
+    ends = pd.DataFrame(ranges, columns=["task", "metric", "first", "last"])
+    return table.merge(ends, how="left")
 
 
 def selection(outcomes: Outcomes) -> pd.DataFrame:
     """How far the training maximum flatters: final best minus the champion's held-out mean.
 
-    By task, method and population: means over the learning rates, then over the seeds.
+    By task, method and population: means over the learning rates, then over the seeds. Those of the
+    two terms are over the runs that have both.
     """
+    keys = ["task", "method", "population"]
     runs = outcomes.runs.assign(value=outcomes.runs["final_best"] - outcomes.runs["held_out"])
-    gap = _mean_by(runs, ["task", "method", "population"])
-    return gap.merge(
-        runs.groupby(["task", "method", "population"], as_index=False)[
-            ["final_best", "held_out"]
-        ].mean()
-    )
+    both = runs.dropna(subset="value").groupby([*keys, "seed"])[["final_best", "held_out"]].mean()
+    means = both.groupby(keys).mean().reset_index()
+    return _mean_by(runs, keys).merge(means, how="left")
+
+
+def _effect(
+    effect: Effect, samples: Sequence[Floats], random: np.random.Generator
+) -> dict[str, float]:
+    """An A12 with its interval, as columns of a table."""
+    a12 = estimate(effect, samples, random)
+    return {"seeds": min(map(len, samples)), "a12": a12.value, "low": a12.low, "high": a12.high}
 
 
 def _chosen(outcomes: Outcomes, setting: str, task: str, method: str, metric: str) -> Floats:
@@ -174,8 +174,8 @@ def _normalised(outcomes: Outcomes, tasks: Sequence[str], method: str) -> dict[s
 def _mean_by(table: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     """Mean of `value` with Student's interval, by some keys.
 
-    A seed's runs share its random numbers, so they are averaged to one value first. `runs` counts
-    those seeds, `without_value` the runs that have none, such as a champion that failed everywhere.
+    A seed's runs share its random numbers, so they are averaged to one value first. `seeds` counts
+    those values, `without_value` the runs that have none: a champion may have failed everywhere.
     """
     rows = []
     for place, runs in table.groupby(keys, sort=False):
@@ -184,4 +184,4 @@ def _mean_by(table: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
         mean = float(values.mean()) if len(values) else math.nan
         without = int(runs["value"].isna().sum())
         rows.append((*place, len(values), without, mean, float(low), float(high)))
-    return pd.DataFrame(rows, columns=[*keys, "runs", "without_value", "mean", "low", "high"])
+    return pd.DataFrame(rows, columns=[*keys, "seeds", "without_value", "mean", "low", "high"])

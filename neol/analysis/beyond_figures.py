@@ -1,6 +1,6 @@
 """Pictures of the tables in `beyond`."""
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -9,10 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
-from neol.analysis.beyond import COMPARISONS, RULES
-from neol.analysis.labels import METHODS, task_label
-from neol.analysis.style import GREY, STYLES, WIDTH, drawing, footer
+from neol.analysis.beyond import COMPARISONS, SOLVED
+from neol.analysis.labels import challengers, method_label, shown_methods, task_label
+from neol.analysis.outcomes import EQUAL
+from neol.analysis.style import GREY, WIDTH, Style, drawing, footer, styles
 from neol.sensitivity import BASELINE
+from neol.spec import Budget
 
 GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
 """Behind words that lines run through."""
@@ -22,42 +24,39 @@ NO_LINE = (
 )
 METRIC_LABELS = {
     "score": "SCORE",
-    "equal_evaluations": "Best so far,\nequal evaluations",
-    "equal_steps": "Best so far,\nequal steps",
+    "equal_evaluations": "Best so far (return),\nequal evaluations",
+    "equal_steps": "Best so far (return),\nequal steps",
 }
 
 
-def effects(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
+def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """A12 of each rule with its interval; a cross is the paper's, from its p-value."""
+    rules, looks = challengers(budget), styles(shown_methods(budget))
+    group_height = len(rules) + 0.8
+    places = {
+        (name, rule): -(group * group_height + position)
+        for group, (name, *_) in enumerate(COMPARISONS)
+        for position, rule in enumerate(rules)
+    }
     with drawing():
-        columns = [*tasks, "all"]
-        figure = Figure(figsize=(WIDTH, 3.6))
+        columns = [*budget.tasks, "all"]
+        figure = Figure(figsize=(WIDTH, 1.2 + 0.16 * len(COMPARISONS) * group_height))
         axes = figure.subplots(1, len(columns), sharey=True, sharex=True)
-        places = {
-            (name, rule): -(group * (len(RULES) + 0.8) + position)
-            for group, (name, *_) in enumerate(COMPARISONS)
-            for position, rule in enumerate(RULES)
-        }
         for axis, task in zip(axes, columns, strict=True):
-            axis.axvline(0.5, color=GREY, linewidth=0.7)
-            axis.set_title("All tasks" if task == "all" else task_label(task))
+            _from_0_to_1(axis, "All tasks" if task == "all" else task_label(task))
             for row in table[table["task"] == task].to_dict("records"):
                 place = places[row["comparison"], row["method"]]
-                _interval(axis, place, row, "a12")
+                _interval(axis, place, row, "a12", looks[row["method"]])
                 axis.plot(row["paper_a12"], place, "x", color="black", markersize=4)
-            axis.set_xlim(-0.04, 1.04)
-            axis.xaxis.set_major_locator(FixedLocator([0, 0.5, 1]))
-        axes[0].set_yticks(list(places.values()), [METHODS[rule] for _, rule in places])
-        for axis in axes:
-            axis.tick_params(axis="y", length=0)
+        axes[0].set_yticks(list(places.values()), [method_label(rule) for _, rule in places])
         for group, (_, _, metric, against, _) in enumerate(COMPARISONS):
             outcome = "SCORE" if metric == "score" else "Final fitness"
-            text = f"{outcome} vs {METHODS[against]}"
-            place = 0.62 - group * (len(RULES) + 0.8)
+            text = f"{outcome} vs {method_label(against)}"
+            place = 0.62 - group * group_height
             label = axes[0].text(-0.01, place, text, size=6.5, color=GREY, bbox=GROUND)
             label.set_in_layout(False)
         axes[0].set_ylim(min(places.values()) - 0.5, 1.2)
-        axes[len(columns) // 2].set_xlabel("Probability that a run of the rule ends higher (A12)")
+        _below(axes, "Probability that a run of the rule ends higher (A12)")
         explanation = (
             "Lines: 95% intervals (stratified bootstrap); crosses: the paper's, from its p-values."
         )
@@ -67,99 +66,95 @@ def effects(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
     return figure
 
 
-def profiles(table: pd.DataFrame, note: str) -> Figure:
+def profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Performance profiles over all tasks."""
+    looks = _looks(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.9))
         axis = figure.subplots()
-        for method in _methods(table):
-            rows, style = table[table["method"] == method], STYLES[method]
-            axis.plot(
+        for place, (method, style) in enumerate(looks.items()):
+            rows = table[table["method"] == method]
+            axis.step(
                 rows["threshold"],
                 rows["share"],
-                label=METHODS[method],
+                where="post",
+                label=method_label(method),
                 color=style.colour,
                 linestyle=style.line,
                 marker=style.marker,
-                markevery=(2 * list(STYLES).index(method), 12),
+                markevery=((place + 0.5) / len(looks) / 5, 0.2),
             )
             band = rows["threshold"], rows["low"], rows["high"]
-            axis.fill_between(*band, color=style.colour, alpha=0.12, linewidth=0)
+            axis.fill_between(*band, step="post", color=style.colour, alpha=0.12, linewidth=0)
         axis.set_xlabel("Final best fitness / Gymnasium's reward threshold")
         axis.set_ylabel("Share of runs above it")
         axis.set_ylim(-0.02, 1.02)
-        handles, names = axis.get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside upper center", ncols=5)
-        explanation = "Bands: 95% intervals (stratified bootstrap)."
-        below = 1 - table.loc[table["threshold"] == table["threshold"].min(), "share"]
-        if (below > 0).any():
-            explanation += f" Left of the axis: up to {below.max():.0%} of a method's runs."
-        footer(figure, f"{note} {explanation}")
+        _legend(figure, looks)
+        footer(
+            figure, f"{note} Bands: 95% intervals (stratified bootstrap).{_no_threshold(budget)}"
+        )
     return figure
 
 
-def aggregates(table: pd.DataFrame, note: str) -> Figure:
+def aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Interquartile means of each task and of all."""
+    looks, methods = _looks(table, budget), list(_looks(table, budget))
+    tasks = list(dict.fromkeys(table["task"]))
     with drawing():
-        figure = Figure(figsize=(WIDTH, 2.9))
+        figure = Figure(figsize=(WIDTH, 0.9 + 0.1 * len(tasks) * (len(methods) + 1.5)))
         axis = figure.subplots()
-        tasks = list(dict.fromkeys(table["task"]))
-        methods = _methods(table)
         for row in table.to_dict("records"):
-            offset = 0.15 * (methods.index(row["method"]) - (len(methods) - 1) / 2)
-            _interval(axis, -tasks.index(row["task"]) - offset, row, "iqm")
+            offset = (methods.index(row["method"]) - (len(methods) - 1) / 2) / (len(methods) + 1.5)
+            place = -tasks.index(row["task"]) - offset
+            _interval(axis, place, row, "iqm", looks[row["method"]])
         labels = ["All tasks" if task == "all" else task_label(task) for task in tasks]
         axis.set_yticks([-position for position in range(len(tasks))], labels)
         axis.tick_params(axis="y", length=0)
         axis.set_xlabel(
             "Interquartile mean of the final best fitness / Gymnasium's reward threshold"
         )
-        _legend(figure, methods)
-        footer(figure, f"{note} Lines: 95% intervals (stratified bootstrap).")
+        _legend(figure, looks)
+        explanation = (
+            "Lines: 95% intervals (stratified bootstrap); without one, all runs are equal."
+        )
+        footer(figure, f"{note} {explanation}{_no_threshold(budget)}")
     return figure
 
 
-def efficiency(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
+def efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """SCORE beside the best-so-far fitness at equal cost, over the population size."""
+    looks = _looks(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 4.6))
-        axes = figure.subplots(3, len(tasks), sharex=True, squeeze=False)
-        for (row, (metric, label)), (column, task) in (
-            (row, column) for row in enumerate(METRIC_LABELS.items()) for column in enumerate(tasks)
-        ):
-            axis = axes[row, column]
-            here = table[(table["metric"] == metric) & (table["task"] == task)]
-            _by_population(axis, here)
-            if row == 0:
-                axis.set_title(task_label(task))
-            if column == 0:
-                axis.set_ylabel(label)
-            if row == 2:
-                axis.set_xlabel("Population size")
+        axes = figure.subplots(len(METRIC_LABELS), len(budget.tasks), sharex=True, squeeze=False)
+        for row, (metric, label) in zip(axes, METRIC_LABELS.items(), strict=True):
+            for axis, task in zip(row, budget.tasks, strict=True):
+                here = table[(table["metric"] == metric) & (table["task"] == task)]
+                _by_population(axis, here, looks)
+            row[0].set_ylabel(label)
+        for column, task in enumerate(budget.tasks):
+            axes[0, column].set_title(task_label(task))
+            axes[-1, column].set_xlabel("Population size")
         figure.align_ylabels(axes[:, 0])
-        handles, names = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside upper center", ncols=5)
-        explanation = (
-            "Means over learning rates, then seeds, with 95% intervals. Equal cost: up to where "
-            "all runs of a task have come."
-        )
-        footer(figure, f"{note} {explanation}")
+        _legend(figure, looks)
+        explanation = "Means over learning rates, then seeds, with 95% intervals. Equal cost: "
+        footer(figure, f"{note} {explanation}{'; '.join(_ranges(table, budget))}.")
     return figure
 
 
-def selection(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
+def selection(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Final best fitness minus the champion's mean return in fresh episodes."""
+    looks = _looks(table, budget)
     with drawing():
-        figure = Figure(figsize=(WIDTH, 2.3))
-        axes = figure.subplots(1, len(tasks), squeeze=False)[0]
-        for axis, task in zip(axes, tasks, strict=True):
+        figure = Figure(figsize=(WIDTH, 2.5))
+        axes = figure.subplots(1, len(budget.tasks), squeeze=False)[0]
+        for axis, task in zip(axes, budget.tasks, strict=True):
             axis.axhline(0, color=GREY, linewidth=0.7)
-            _by_population(axis, table[table["task"] == task])
+            _by_population(axis, table[table["task"] == task], looks)
             axis.set_title(task_label(task))
             axis.set_xlabel("Population size")
-        axes[0].set_ylabel("Training maximum\n− held-out mean (return)")
-        handles, names = axes[0].get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside upper center", ncols=5)
+        axes[0].set_ylabel("Training maximum −\nheld-out mean (return)")
+        _legend(figure, looks)
         explanation = "Means over learning rates, then seeds, with 95% intervals."
         without = table["without_value"].sum()
         if without:
@@ -168,58 +163,57 @@ def selection(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
     return figure
 
 
-def sensitivity(table: pd.DataFrame, tasks: Sequence[str], seeds: int, note: str) -> Figure:
+def sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str) -> Figure:
     """How often a variant beats the baseline's run of a seed, with interval; a column for a task.
 
-    A trial that lacks some of its `seeds` says how many it has.
+    A trial that lacks some of its `seeds`, or pairs with the baseline, says how many it has.
     """
+    looks = _looks(table, budget)
+    names = [name for name in dict.fromkeys(table["variant"]) if name != BASELINE]
+    varied = table[table["variant"] != BASELINE]
     with drawing():
-        names = [name for name in dict.fromkeys(table["variant"]) if name != BASELINE]
-        figure = Figure(figsize=(WIDTH, 0.24 * len(names) + 1.1))
+        figure = Figure(figsize=(WIDTH, 0.27 * len(names) + 1.1))
+        tasks = list(dict.fromkeys(table["task"]))
         axes = figure.subplots(1, len(tasks), sharey=True, sharex=True, squeeze=False)[0]
         for axis, task in zip(axes, tasks, strict=True):
-            axis.axvline(0.5, color=GREY, linewidth=0.7)
-            axis.set_title(task_label(task))
-            here = table[table["task"] == task]
-            for row in here[here["variant"] != BASELINE].to_dict("records"):
-                place = (-0.15 if row["method"] == "neat" else 0.15) - names.index(row["variant"])
-                _interval(axis, place, row, "a12")
-                if row["seeds"] < seeds:
-                    there = f"{row['seeds']}/{seeds}"
-                    axis.text(0, place, there, size=5, va="center", color=GREY, bbox=GROUND)
-            axis.set_xlim(-0.04, 1.04)
-            axis.xaxis.set_major_locator(FixedLocator([0, 0.5, 1]))
-            axis.tick_params(axis="y", length=0)
+            _from_0_to_1(axis, task_label(task))
+            for row in varied[varied["task"] == task].to_dict("records"):
+                place = (-0.2 if row["method"] == "neat" else 0.2) - names.index(row["variant"])
+                _interval(axis, place, row, "a12", looks[row["method"]])
+                if row["pairs"] < seeds:
+                    there = f"{row['pairs']}/{seeds}"
+                    axis.text(0, place, there, size=5.5, va="center", color=GREY, bbox=GROUND)
         axes[0].set_yticks([-position for position in range(len(names))], names)
-        axes[len(axes) // 2].set_xlabel(
-            "Share of seeds whose champion is above the baseline's in fresh episodes"
-        )
-        _legend(figure, _methods(table))
-        lacking = int((table["seeds"] < seeds).sum())
-        warning = [f"Seeds are missing: {lacking} of {len(table)} trials are incomplete."]
-        lines = [f"{note} Lines: 95% intervals (bootstrap).", *(warning if lacking else [])]
-        if (table["low"] == table["high"])[table["variant"] != BASELINE].any():
+        axes[0].set_ylim(-len(names) + 0.4, 0.6)
+        _below(axes, "Share of seeds whose champion is above the baseline's in fresh episodes")
+        _legend(figure, looks)
+        lines = [f"{note} Lines: 95% intervals (bootstrap)."]
+        if (varied["low"] == varied["high"]).any():
             lines[0] += f" {NO_LINE}"
+        lacking = int((table["seeds"] < seeds).sum())
+        if lacking:
+            lines.append(f"Seeds are missing: {lacking} of {len(table)} trials are incomplete.")
+        failed = int(table["without_value"].sum())
+        if failed:
+            lines.append(f"Left out: {failed} runs whose champion failed in all fresh episodes.")
         footer(figure, "\n".join(lines))
     return figure
 
 
-def _by_population(axis: Axes, table: pd.DataFrame) -> None:
+def _by_population(axis: Axes, table: pd.DataFrame, looks: Mapping[str, Style]) -> None:
     """A method's mean over the population size, with intervals; methods side by side."""
     if table["mean"].isna().all():
         axis.text(0.5, 0.5, "no common range", transform=axis.transAxes, ha="center", color=GREY)
         axis.yaxis.set_major_locator(NullLocator())
         return
     populations = sorted(table["population"].unique())
-    for method in _methods(table):
+    for position, (method, style) in enumerate(looks.items()):
         rows = table[table["method"] == method].sort_values("population").dropna(subset="mean")
-        style = STYLES[method]
-        shift = 0.022 * len(populations) * (list(STYLES).index(method) - 2)
+        shift = 0.022 * len(populations) * (position - (len(looks) - 1) / 2)
         axis.errorbar(
             [populations.index(each) + shift for each in rows["population"]],
             rows["mean"],
             [rows["mean"] - rows["low"], rows["high"] - rows["mean"]],
-            label=METHODS[method],
             color=style.colour,
             linestyle=style.line,
             marker=style.marker,
@@ -230,22 +224,59 @@ def _by_population(axis: Axes, table: pd.DataFrame) -> None:
     axis.yaxis.set_major_locator(MaxNLocator(4))
 
 
-def _legend(figure: Figure, methods: Sequence[str]) -> None:
-    """A figure's methods, where what is plotted has no labels."""
+def _ranges(table: pd.DataFrame, budget: Budget) -> Iterable[str]:
+    """Between which evaluations and steps the means at equal cost are taken, by task."""
+    for task in budget.tasks:
+        ranges = []
+        for metric, column in EQUAL.items():
+            here = table[(table["task"] == task) & (table["metric"] == metric)]
+            first, last = here["first"].min(), here["last"].min()
+            if first < last:
+                name = column.replace("env_steps", "steps")
+                ranges.append(f"{first:,.0f} to {last:,.0f} {name}")
+        yield f"{task_label(task)}, {' and '.join(ranges) or 'no common range'}"
+
+
+def _no_threshold(budget: Budget) -> str:
+    """Which tasks cannot be put together with others."""
+    without = [task_label(task) for task in budget.tasks if task not in SOLVED]
+    return f" Left out, having no threshold: {', '.join(without)}." if without else ""
+
+
+def _from_0_to_1(axis: Axes, title: str) -> None:
+    """An axis of shares, with its middle marked."""
+    axis.axvline(0.5, color=GREY, linewidth=0.7)
+    axis.set_title(title)
+    axis.set_xlim(-0.04, 1.04)
+    axis.xaxis.set_major_locator(FixedLocator([0, 0.5, 1]))
+    axis.tick_params(axis="y", length=0)
+
+
+def _below(axes: Sequence[Axes], label: str) -> None:
+    """One label for a row of axes, in its middle."""
+    even = len(axes) % 2 == 0
+    axes[len(axes) // 2].set_xlabel(label, x=-0.02 if even else 0.5)
+
+
+def _legend(figure: Figure, looks: Mapping[str, Style]) -> None:
+    """A figure's methods."""
     handles = [
-        Line2D([], [], color=STYLES[method].colour, marker=STYLES[method].marker)
-        for method in methods
+        Line2D([], [], color=style.colour, linestyle=style.line, marker=style.marker)
+        for style in looks.values()
     ]
-    labels = [METHODS[method] for method in methods]
-    figure.legend(handles, labels, loc="outside upper center", ncols=5)
+    labels = [method_label(method) for method in looks]
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6))
 
 
-def _methods(table: pd.DataFrame) -> list[str]:
-    """Those that a table has, in the order of every figure."""
-    return [method for method in STYLES if method in set(table["method"])]
+def _looks(table: pd.DataFrame, budget: Budget) -> dict[str, Style]:
+    """How the methods that a table has are drawn, in the order of every figure."""
+    there = set(table["method"])
+    looks = styles(shown_methods(budget))
+    return {method: style for method, style in looks.items() if method in there}
 
 
-def _interval(axis: Axes, place: float, row: Mapping[Hashable, Any], value: str) -> None:
-    style = STYLES[row["method"]]
+def _interval(
+    axis: Axes, place: float, row: Mapping[Hashable, Any], value: str, style: Style
+) -> None:
     axis.hlines(place, row["low"], row["high"], color=style.colour, linewidth=1.3)
     axis.plot(row[value], place, style.marker, color=style.colour, markersize=4)

@@ -4,26 +4,31 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
+from neol.analysis.labels import challengers
 from neol.campaign import Cell, cells, paper_cells
-from neol.spec import Configuration
+from neol.spec import Budget, Configuration
 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
     """How a table chooses the cells that it shows."""
 
-    methods: tuple[str, ...]
-    """Its columns, in the paper's order."""
+    against: tuple[str, ...]
+    """With which NEAT it compares."""
     metric: str
     """Where there is a choice, the highest mean of this takes it."""
     paper_table: int | None
     """Of configurations: 3 or 4; None for the largest population with any learning rate."""
 
+    def methods(self, budget: Budget) -> tuple[str, ...]:
+        """Its columns, in the paper's order."""
+        return (*challengers(budget), *self.against)
+
 
 SETTINGS = {
-    "table3": Setting(("bcm", "hebb", "oja", "neat"), "final_best", paper_table=3),
-    "table4": Setting(("bcm", "hebb", "oja", "neat_wo"), "final_best", paper_table=4),
-    "score": Setting(("bcm", "hebb", "oja", "neat", "neat_wo"), "score", paper_table=None),
+    "table3": Setting(("neat",), "final_best", paper_table=3),
+    "table4": Setting(("neat_wo",), "final_best", paper_table=4),
+    "score": Setting(("neat", "neat_wo"), "score", paper_table=None),
 }
 """Tables 1, 3 and 5; Tables 4 and 7; Tables 2, 6 and 8."""
 
@@ -37,6 +42,7 @@ def candidates(
     what the grid has of the largest population.
     """
     chosen_by, grid = SETTINGS[setting], cells(configuration)
+    methods = chosen_by.methods(configuration.budget)
     table, largest = chosen_by.paper_table, max(configuration.budget.populations)
     paper = {} if table is None else paper_cells(configuration, table)
     chosen: dict[tuple[str, str], list[Cell]] = {}
@@ -45,7 +51,7 @@ def candidates(
         is_candidate = (
             cell.population == largest if table is None else paper.get(place, cell) == cell
         )
-        if cell.method in chosen_by.methods and is_candidate:
+        if cell.method in methods and is_candidate:
             chosen.setdefault(place, []).append(cell)
     return chosen
 

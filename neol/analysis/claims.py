@@ -34,8 +34,10 @@ from pydantic import Field, ValidationError
 from neol.analysis.evidence import Compare, Gain, Part, Rank, Significant
 from neol.analysis.grid_evidence import Level, Peak, Sensitivity, Share, Trend
 from neol.analysis.outcomes import Outcomes
+from neol.analysis.reference import SEEDS as PAPER_SEEDS
 from neol.analysis.score import PAPER_GENERATIONS
 from neol.analysis.statistics import (
+    ALPHA,
     RESAMPLES,
     bootstrap,
     interval,
@@ -47,9 +49,7 @@ from neol.errors import UserError
 from neol.spec import ROOT, Model
 
 CLAIMS = ROOT / "paper" / "claims.yaml"
-ALPHA = 0.05
 LEAST_SEEDS = 5
-PAPER_SEEDS = 30
 SEEDS_MISSING = "seeds are missing"
 
 Test = Annotated[
@@ -167,7 +167,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         return Finding(part, "undecided", f"{seeds} seeds", seeds=seeds)
     effect = float(part.effect(*samples))
     replicates = bootstrap(part.effect, samples, random, RESAMPLES)
-    low, high = (float(bound) for bound in interval(replicates, seeds, 1 - ALPHA))
+    low, high = (float(bound) for bound in interval(replicates, seeds))
     needed = math.nan
     p = math.nan
     if part.rule == "interval":

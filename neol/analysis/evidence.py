@@ -78,7 +78,8 @@ class Compare(Pairing):
         effect = signed(DIFFERENCES[self.statistic], self.direction)
         outliers = self.statistic == "low_outliers"
         for task, method in product(self.tasks, self.methods):
-            unit = "share of runs" if outliers else outcomes.unit(self.metric, task)
+            unit = outcomes.unit(self.metric, task)
+            unit = f"share of runs, {unit}" if outliers else unit
             cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             label = f"{task}: {self.statistic} of {method} {self.direction} than {self.against}"
             yield Part(label, unit, cells, self.metric, effect, among)
@@ -96,7 +97,7 @@ class Significant(Pairing):
             cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             yield Part(
                 label=f"{task}: {method} over {self.against} {self.kind.replace('_', ' ')}",
-                unit="A12 - 0.5",
+                unit=f"A12 - 0.5, {outcomes.unit(self.metric, task)}",
                 cells=cells,
                 metric=self.metric,
                 effect=lambda sample, against: superiority(sample, against) - 0.5,
@@ -129,7 +130,8 @@ class Rank(Model):
             label = f"{task}: {self.method} among the best {self.at_most}"
             # Who shares the first place is second at least, but does not lead.
             tie = self.at_most > 1
-            yield Part(label, METRICS[self.metric], cells, self.metric, lead, among, at_least=tie)
+            unit = outcomes.unit(self.metric, task)
+            yield Part(label, unit, cells, self.metric, lead, among, at_least=tie)
 
 
 class Gain(Model):
@@ -166,7 +168,8 @@ class Gain(Model):
             among = tuple(cell for _, candidates in pairs for cell in candidates)
             tasks, others = ", ".join(self.tasks), ", ".join(self.than_tasks)
             label = f"{method}: gain on {tasks} over that on {others}"
-            yield Part(label, "relative gain", cells, self.metric, difference, among)
+            unit = f"relative gain, {METRICS[self.metric]}"
+            yield Part(label, unit, cells, self.metric, difference, among)
 
 
 def chosen(

@@ -8,7 +8,6 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize, to_rgba
@@ -16,11 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from neol.analysis.labels import METHODS, task_label
-from neol.analysis.statistics import mean_interval
-from neol.analysis.style import COLOUR_MAP, GREY, STYLES, WIDTH, drawing, footer
-
-Floats = npt.NDArray[np.float64]
+from neol.analysis.labels import method_label, task_label
+from neol.analysis.statistics import Floats, mean_interval
+from neol.analysis.style import COLOUR_MAP, GREY, WIDTH, Style, drawing, footer, styles
 
 
 def convergence(
@@ -41,23 +38,24 @@ def convergence(
     with drawing():
         figure = Figure(figsize=(WIDTH, 1.55 * WIDTH / max(len(tasks), 3) + 1.3))
         axes = figure.subplots(2, len(tasks), squeeze=False)
-        reasons = dict(incomplete)
+        reasons, looks = dict(incomplete), styles(methods)
         for column, task in enumerate(tasks):
             here = curves[curves["task"] == task]
             top, bottom = axes[:, column]
             top.set_title(task_label(task))
             samples = {}
-            for method in methods:
+            for place, method in enumerate(methods):
                 table = here[here["method"] == method].pivot_table(
                     index="generation", columns="seed", values="best_fitness"
                 )
                 if table.shape[1] < seeds:
                     reasons[task, method] = f"{table.shape[1]} of {seeds} seeds"
                 samples[method] = table.ffill().iloc[-1].to_numpy() if len(table) else np.array([])
-                _curve(top, method, table.dropna())
+                marked = (place + 0.5) / len(methods)
+                _curve(top, method_label(method), looks[method], table.dropna(), marked)
             _clip(top, here["best_fitness"])
             starred = {method for where, method in reasons if where == task}
-            _boxes(bottom, samples, starred)
+            _boxes(bottom, samples, looks, starred)
             top.set_xlabel("Generation")
             top.xaxis.set_major_locator(MaxNLocator(4, integer=True))
         axes[0, 0].set_ylabel("Best fitness (return)")
@@ -104,7 +102,7 @@ def heatmaps(
             mean, count = grids[method]
             axis = figure.add_subplot(layout[-len(mean) :, position])
             image = axis.imshow(mean, cmap=COLOUR_MAP, norm=scale, origin="lower", aspect="auto")
-            axis.set_title(METHODS[method]).set_in_layout(len(mean) > 1)
+            axis.set_title(method_label(method)).set_in_layout(len(mean) > 1)
             axis.set_xticks(range(len(populations)), [str(each) for each in populations])
             axis.set_xlabel("Population size")
             rates = [f"{rate:g}" for rate in learning_rates] if position == 0 else []
@@ -125,19 +123,21 @@ def heatmaps(
     return figure
 
 
-def _curve(axis: Axes, method: str, table: pd.DataFrame) -> None:
-    """A method's mean over seeds; `table` has a row for each generation, a column for each seed."""
-    style = STYLES[method]
+def _curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked: float) -> None:
+    """A method's mean over seeds; `table` has a row for each generation, a column for each seed.
+
+    `marked` says how far into each stretch of the line its marker sits.
+    """
     values = table.to_numpy(dtype=float)
     mean = values.mean(axis=1) if values.size else np.array([])
     axis.plot(
         table.index,
         mean,
-        label=METHODS[method],
+        label=label,
         color=style.colour,
         linestyle=style.line,
         marker=style.marker,
-        markevery=_spaced(len(mean), list(STYLES).index(method)),
+        markevery=_spaced(len(mean), marked),
     )
     if values.size:
         low, high = mean_interval(values)
@@ -154,17 +154,22 @@ def _clip(axis: Axes, values: "pd.Series[float]") -> None:
     axis.set_ylim(max(bottom, low - margin), min(top, high + margin))
 
 
-def _spaced(points: int, method: int, markers: int = 5) -> list[int]:
+def _spaced(points: int, offset: float, markers: int = 5) -> list[int]:
     """Where the markers of a line sit, apart from those of the other methods."""
     if points <= 2 * markers:
         return list(range(points))
     step = points / markers
-    return [int(step * (marker + (method + 0.5) / len(STYLES))) for marker in range(markers)]
+    return [int(step * (marker + offset)) for marker in range(markers)]
 
 
-def _boxes(axis: Axes, samples: Mapping[str, Floats], starred: Collection[str]) -> None:
+def _boxes(
+    axis: Axes,
+    samples: Mapping[str, Floats],
+    looks: Mapping[str, Style],
+    starred: Collection[str],
+) -> None:
     for position, (method, values) in enumerate(samples.items()):
-        style = STYLES[method]
+        style = looks[method]
         if not len(values):
             axis.text(position, 0.5, "no runs", transform=axis.get_xaxis_transform(), rotation=90,
                       ha="center", va="center", color=GREY)  # fmt: skip
@@ -184,7 +189,7 @@ def _boxes(axis: Axes, samples: Mapping[str, Floats], starred: Collection[str]) 
         axis.scatter(position + spread, values, s=6, marker=style.marker, facecolor=style.colour,
                      edgecolor="black", linewidth=0.25, alpha=0.85, zorder=3)  # fmt: skip
     labels = [
-        METHODS[method].replace(" (", "\n(") + ("*" if method in starred else "")
+        method_label(method).replace(" (", "\n(") + ("*" if method in starred else "")
         for method in samples
     ]
     axis.set_xticks(range(len(samples)), labels)
@@ -263,6 +268,7 @@ def _tint(colour: str) -> tuple[float, float, float, float]:
 def _listed(reasons: Mapping[tuple[str, str], str]) -> list[str]:
     """What is incomplete: by task and method, why."""
     said = [
-        f"{METHODS[method]} on {task_label(task)}: {why}" for (task, method), why in reasons.items()
+        f"{method_label(method)} on {task_label(task)}: {why}"
+        for (task, method), why in reasons.items()
     ]
     return [f"* {'; '.join(said)}."] if said else []

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from neol.analysis.evidence import Methods, Metric, Part, Setting, chosen, signed
-from neol.analysis.outcomes import METRICS, Outcomes
+from neol.analysis.outcomes import Outcomes
 from neol.analysis.statistics import Floats, mean_difference, superiority
 from neol.campaign import Cell
 from neol.spec import Model
@@ -63,7 +63,7 @@ class Level(Model):
                 bound = self.bound.replace("_", " ")
                 yield Part(
                     label=f"{task}: {_cell(method, cell)} {bound} {self.level:g}",
-                    unit=METRICS[self.metric],
+                    unit=outcomes.unit(self.metric, task),
                     cells=(cell,),
                     metric=self.metric,
                     effect=distance,
@@ -107,7 +107,7 @@ class Share(Model):
                 f"{task}: {method} {self.direction} than {self.against} "
                 f"in more than {self.more_than:.0%} of its cells"
             )
-            unit = f"share of cells above {self.more_than:.0%}"
+            unit = f"share of cells above {self.more_than:.0%}, {outcomes.unit(self.metric, task)}"
             yield Part(label, unit, tuple(cells) or (None,), self.metric, share)
 
 
@@ -141,7 +141,8 @@ class Trend(Model):
             )
             found = tuple(cells) if pairs else (None,)
             effect = signed(trend, "higher" if self.direction == "up" else "lower")
-            yield Part(label, "A12 - 0.5", found, self.metric, effect)
+            unit = f"A12 - 0.5, {outcomes.unit(self.metric, task)}"
+            yield Part(label, unit, found, self.metric, effect)
 
     def _in_line(self, cells: Sequence[Cell], pair: tuple[int, int]) -> bool:
         first, second = (cells[index] for index in pair)
@@ -186,7 +187,7 @@ class Peak(Model):
             )
             yield Part(
                 label=label,
-                unit=METRICS[self.metric],
+                unit=outcomes.unit(self.metric, task),
                 cells=tuple(pair) or (None,),
                 metric=self.metric,
                 effect=lead,
@@ -223,7 +224,8 @@ class Sensitivity(Model):
             several = cells and all(len(row) > 1 for grid in rows for row in grid)
             label = f"{task}: {self.method} depends on the learning rate more than {other}"
             found = cells if several else (None,)
-            yield Part(label, METRICS[self.metric], found, self.metric, difference)
+            unit = outcomes.unit(self.metric, task)
+            yield Part(label, unit, found, self.metric, difference)
 
 
 def _named(

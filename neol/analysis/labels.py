@@ -1,6 +1,11 @@
-"""Tasks and methods as the paper prints them."""
+"""Tasks and methods as the paper prints them, and in which order."""
+
+from neol.spec import Budget
 
 METHODS = {"bcm": "BCM", "hebb": "Hebb", "oja": "Oja", "neat": "NEAT", "neat_wo": "NEAT (w/o)"}
+RULES = ("bcm", "hebb", "oja")
+"""The paper's, in the order of its tables."""
+BASELINES = ("neat", "neat_wo")
 TASKS = {
     "cartpole": "CartPole",
     "lunar_lander": "Lunar Lander",
@@ -12,6 +17,21 @@ HEATMAPS = {
     **{8 + position: (task, "score") for position, task in enumerate(TASKS)},
 }
 """The paper's Figures 4 to 11: task and outcome of each."""
+
+
+def challengers(budget: Budget) -> tuple[str, ...]:
+    """What is compared with NEAT: the paper's rules, then every other method of a budget."""
+    return (*RULES, *(method for method in budget.methods if method not in METHODS))
+
+
+def shown_methods(budget: Budget) -> tuple[str, ...]:
+    """All methods that tables and figures have a place for, in their order."""
+    return (*challengers(budget), *BASELINES)
+
+
+def method_label(method: str) -> str:
+    """A method's name; of one that the paper does not have, its own."""
+    return METHODS.get(method, method.replace("_", " "))
 
 
 def task_label(task: str) -> str:

@@ -8,11 +8,11 @@ from pathlib import Path
 import pandas as pd
 
 from neol.analysis import claims
+from neol.analysis.captions import describe_budget
 from neol.analysis.claims import Decision, Finding
 from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
 from neol.analysis.sidecar import write_sidecar
-from neol.analysis.tables import describe_budget
 from neol.campaign import cells
 from neol.files import write_atomically
 

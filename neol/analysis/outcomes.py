@@ -23,7 +23,8 @@ METRICS = {
 """Outcomes of a run, and how they are called in print."""
 _OWN = ("final_best", "score", "held_out")
 """Those that a run has by itself; the others compare runs of a task up to where all have come."""
-_EQUAL = {"equal_evaluations": "evaluations", "equal_steps": "env_steps"}
+EQUAL = {"equal_evaluations": "evaluations", "equal_steps": "env_steps"}
+"""What each of those is a mean over: a column of records."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def gather(campaign: Campaign) -> Outcomes:
     equal = {}
     for task in configuration.budget.tasks:
         here = [cell for cell in grid if cell.task == task]
-        for metric, column in _EQUAL.items():
+        for metric, column in EQUAL.items():
             equal[task, metric] = equal_range(campaign, here, column)
             runs.loc[runs["task"] == task, metric] = _at_equal(campaign, here, column)
     return Outcomes(

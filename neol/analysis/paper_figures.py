@@ -2,16 +2,15 @@
 
 import pandas as pd
 
+from neol.analysis.captions import describe_budget, describe_samples
 from neol.analysis.choice import SETTINGS, candidates
 from neol.analysis.drawing import Drawing
 from neol.analysis.figures import convergence, heatmaps
-from neol.analysis.labels import HEATMAPS, task_label
+from neol.analysis.labels import HEATMAPS, challengers, task_label
 from neol.analysis.runs import Campaign
 from neol.analysis.summary import summarise
-from neol.analysis.tables import describe_budget, describe_samples
 from neol.campaign import Cell, cells
 
-GRID_METHODS = ("bcm", "hebb", "oja", "neat")
 _GROWS = "SCORE grows with the population by construction, so compare cells of one population size."
 
 
@@ -31,9 +30,8 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
     task, metric = HEATMAPS[number]
     configuration = campaign.configuration
     budget = configuration.budget
-    shown = [
-        cell for cell in cells(configuration) if cell.task == task and cell.method in GRID_METHODS
-    ]
+    methods = [each for each in (*challengers(budget), "neat") if each in budget.methods]
+    shown = [cell for cell in cells(configuration) if cell.task == task and cell.method in methods]
     outcome = (
         "best fitness of the final generation (return)"
         if metric == "final_best"
@@ -43,7 +41,7 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
         _outcomes(campaign, shown, metric),
         metric=metric,
         title=f"{task_label(task)}: {outcome}",
-        methods=[method for method in GRID_METHODS if method in budget.methods],
+        methods=methods,
         populations=budget.populations,
         learning_rates=budget.learning_rates,
         seeds=budget.seeds,
@@ -54,7 +52,7 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
 
 def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") -> Drawing:
     configuration = campaign.configuration
-    methods = SETTINGS[setting].methods
+    methods = SETTINGS[setting].methods(configuration.budget)
     chosen, incomplete = [], {}
     for (task, method), among in candidates(configuration, setting).items():
         here = summarise(campaign, among, setting)

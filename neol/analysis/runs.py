@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from neol.analysis.score import Floats, samples, score
+from neol.analysis.score import samples, score
+from neol.analysis.statistics import Floats
 from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
 from neol.errors import UserError
 from neol.records import SCHEMA, Record, read_record
@@ -44,6 +45,8 @@ class CellRuns:
     sources: tuple[Source, ...]
     held_out: dict[int, float]
     """Mean return of the champion in fresh episodes, by seed; NaN where all of them failed."""
+    cpu_seconds: dict[int, float]
+    """What each seed took."""
 
     @cached_property
     def best_fitness(self) -> dict[int, Floats]:
@@ -102,6 +105,7 @@ class Campaign:
         rows: list[pd.DataFrame] = []
         sources: list[Source] = []
         held_out: dict[int, float] = {}
+        cpu_seconds: dict[int, float] = {}
         for block in self._blocks[cell]:
             below = block.record.relative_to(RESULTS)
             path = self._results / below
@@ -114,6 +118,7 @@ class Campaign:
             for info in record.seeds:
                 mean = info.held_out.mean
                 held_out[info.seed] = math.nan if mean is None else mean
+                cpu_seconds[info.seed] = info.cpu_seconds
             sources.append(
                 Source(
                     path=str(Path(self._results.resolve().name, below)),
@@ -126,7 +131,7 @@ class Campaign:
             seeds = ", ".join(map(str, missing))
             print(f"neol: {cell.folder}: no record of seeds {seeds}", file=sys.stderr)
         table = pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=SCHEMA.names)
-        return CellRuns(cell, table, tuple(missing), tuple(sources), held_out)
+        return CellRuns(cell, table, tuple(missing), tuple(sources), held_out, cpu_seconds)
 
 
 def _missing(path: Path, record: Record, block: Block) -> list[int]:

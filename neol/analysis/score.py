@@ -8,7 +8,7 @@ The mean best-so-far fitness over equal numbers of evaluations, or of environmen
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from neol.analysis.statistics import Floats
 
 PAPER_SAMPLES = 1e8
 """M of the paper's budget: not printed, but the one constant that fits its Tables 2 and 8."""

@@ -23,7 +23,8 @@ def sensitivity(
     shares its seed with one of the baseline, so `a12` is of these pairs: the share in which the
     variant's ends higher, ties half, with the interval of a bootstrap over pairs. Runs that are the
     same give exactly 1/2. `difference` is the pairs' mean difference. A row for each variant, task
-    and method; runs that are not there give NaN. And the records.
+    and method, with its `seeds`, those of them `without_value` (a champion that failed in all fresh
+    episodes) and the `pairs` that remain; what is not there gives NaN. And the records.
     """
     random = np.random.default_rng(seed)
     samples: dict[tuple[str, str, str], pd.Series[float]] = {}
@@ -38,9 +39,12 @@ def sensitivity(
             pairs = pairs.dropna()
             a12 = estimate(_mean, [(np.sign(pairs.to_numpy()) + 1) / 2], random)
             values = a12.value, a12.low, a12.high
-            place = name, trial.task, trial.method, len(sample)
-            rows.append((*place, sample.mean(), *values, pairs.mean()))
-    columns = ["variant", "task", "method", "seeds", "mean", "a12", "low", "high", "difference"]
+            counts = len(sample), int(sample.isna().sum()), len(pairs)
+            place = name, trial.task, trial.method
+            rows.append((*place, *counts, sample.mean(), *values, pairs.mean()))
+    counts_of = ["seeds", "without_value", "pairs"]
+    effect = ["mean", "a12", "low", "high", "difference"]
+    columns = ["variant", "task", "method", *counts_of, *effect]
     return pd.DataFrame(rows, columns=columns), tuple(sources)
 
 

@@ -12,6 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
+ALPHA = 0.05
+"""The level of every test; intervals hold 1 - ALPHA."""
 Floats = npt.NDArray[np.float64]
 Effect = Callable[..., Floats]
 """Of samples with seeds along the last axis: float64[..., n_1], float64[..., n_2], ... -> [...]."""
@@ -46,7 +48,7 @@ def rank_sum(sample: npt.ArrayLike, against: npt.ArrayLike) -> float:
     return float(stats.mannwhitneyu(sample, against, alternative="greater").pvalue)
 
 
-def paper_statistic(p: float, digits: int, seeds: int = 30) -> int | None:
+def paper_statistic(p: float, digits: int, seeds: int) -> int | None:
     """The Mann-Whitney U above its mean whose two-sided p-value prints as `p` (so many digits).
 
     For every p-value of Tables 5 and 6 but CartPole's, which has ties, there is exactly one at 30
@@ -151,7 +153,7 @@ def bootstrap(
 
 
 def interval(
-    replicates: Floats, seeds: int, confidence: float = 0.95
+    replicates: Floats, seeds: int, confidence: float = 1 - ALPHA
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Expanded percentile interval of replicates, along their first axis (Hesterberg 2015).
 
@@ -173,7 +175,7 @@ def estimate(
     samples: Sequence[npt.ArrayLike],
     random: np.random.Generator,
     *,
-    confidence: float = 0.95,
+    confidence: float = 1 - ALPHA,
     resamples: int = RESAMPLES,
 ) -> Estimate:
     """An effect with its stratified bootstrap interval. All NaN where a sample is empty."""
@@ -188,7 +190,7 @@ def estimate(
     return Estimate(value, float(low), float(high))
 
 
-def mean_interval(values: Floats, confidence: float = 0.95) -> tuple[Floats, Floats]:
+def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats, Floats]:
     """Student's interval of the mean over the last axis; NaN below two values."""
     n = values.shape[-1]
     if n < 2:
@@ -202,7 +204,7 @@ def mean_interval(values: Floats, confidence: float = 0.95) -> tuple[Floats, Flo
 # --- Power --------------------------------------------------------------------------------------
 
 
-def seeds_needed(superiority: float, *, alpha: float = 0.05, power: float = 0.8) -> float:
+def seeds_needed(superiority: float, *, alpha: float = ALPHA, power: float = 0.8) -> float:
     """Seeds per method with which the one-sided rank-sum test finds an effect A12 (Noether 1987).
 
     (z_alpha + z_power)^2 / (6 (A12 - 1/2)^2), rounded up; infinite for no effect, NaN for an
@@ -220,14 +222,14 @@ def seeds_for(effect: float, error: float, seeds: int, power: float = 0.8) -> fl
     """Seeds with which a 95% interval excludes 0 this often, for an effect of any kind.
 
     From its bootstrap standard error at so many seeds, which shrinks with their square root:
-    n ((z_0.975 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect, NaN
+    n ((z_alpha/2 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect, NaN
     without an error to go by.
     """
     if effect == 0:
         return math.inf
     if error == 0:
         return math.nan
-    z = stats.norm.isf(0.025) + stats.norm.isf(1 - power)
+    z = stats.norm.isf(ALPHA / 2) + stats.norm.isf(1 - power)
     return float(max(2, math.ceil(seeds * (z * error / effect) ** 2)))
 
 

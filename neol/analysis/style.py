@@ -2,12 +2,13 @@
 
 The hues are the paper's (BCM blue, Hebb orange, Oja green, NEAT red) in the tints of Okabe and Ito,
 which colour-blind readers tell apart; lines and markers do the same in grey print. NEAT (w/o),
-which the paper draws red too, is purple: one colour for each method in all figures.
+which the paper draws red too, is purple: one colour for each method in all figures. What else a
+budget may have takes what is left of that palette.
 """
 
 import io
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -41,6 +42,10 @@ STYLES = {
     "neat_wo": Style("#7F4F9B", (0, (3, 1.2, 1, 1.2, 1, 1.2)), "v"),
 }
 
+_FURTHER_COLOURS = ("#56B4E9", "#CC79A7", "#222222", "#8C6D1F")
+_FURTHER_MARKERS = ("P", "X", "*", "<", ">")
+_FURTHER_LINES = ((0, (8, 1.5)), (0, (8, 1.5, 1, 1.5)), (0, (2.5, 1)))
+
 SETTINGS: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8.5,
@@ -61,6 +66,23 @@ SETTINGS: dict[Any, Any] = {
     "pdf.fonttype": 42,
     "savefig.dpi": 200,
 }
+
+
+def styles(methods: Sequence[str]) -> dict[str, Style]:
+    """How each of all a budget's methods is drawn; those that the paper lacks, in their order.
+
+    The first 60 of those differ from each other.
+    """
+    further = [method for method in methods if method not in STYLES]
+    chosen = {
+        method: Style(
+            _FURTHER_COLOURS[place % len(_FURTHER_COLOURS)],
+            _FURTHER_LINES[place % len(_FURTHER_LINES)],
+            _FURTHER_MARKERS[place % len(_FURTHER_MARKERS)],
+        )
+        for place, method in enumerate(further)
+    }
+    return {method: STYLES.get(method) or chosen[method] for method in methods}
 
 
 @contextmanager

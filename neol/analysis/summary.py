@@ -72,7 +72,12 @@ def compare(
 
 def best_fitness(campaign: Campaign) -> list[Comparison]:
     """The content of Table 1 (and of Table 3)."""
-    return compare(campaign, "table3", table=1, methods=SETTINGS["table3"].methods)
+    return compare(
+        campaign,
+        "table3",
+        table=1,
+        methods=SETTINGS["table3"].methods(campaign.configuration.budget),
+    )
 
 
 def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSummary:

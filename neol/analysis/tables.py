@@ -9,17 +9,15 @@ import numpy as np
 import pandas as pd
 
 from neol.analysis import reference
+from neol.analysis.captions import describe_budget, describe_samples
 from neol.analysis.choice import SETTINGS, candidates
-from neol.analysis.labels import METHODS, task_label
+from neol.analysis.labels import BASELINES, challengers, method_label, task_label
 from neol.analysis.runs import Campaign
-from neol.analysis.statistics import Floats, holm, rank_sum, superiority
+from neol.analysis.statistics import ALPHA, Floats, rank_sum, superiority
 from neol.analysis.summary import Comparison, OwnSummary, Summary, compare
 from neol.analysis.table import Entry, Line, Table
-from neol.campaign import Cell, cells
-from neol.spec import Configuration, load_configuration
+from neol.campaign import Cell
 
-RULES = ("bcm", "hebb", "oja")
-ALPHA = 0.05
 NOTHING = "--"
 CHOSEN_OF_FOUR = 0.14
 """How often equal methods differ at `ALPHA`, when one is the best of four cells, of 30 seeds each.
@@ -30,6 +28,7 @@ _RANKED = (
     "beneath each value the paper's own. Bold marks a row's highest mean, underline the runner-up; "
     "equal means are marked alike, and a shared first place leaves no runner-up."
 )
+_ABLATION = " NEAT (w/o) is NEAT without weight mutation."
 _CHOICE = (
     "beneath each the paper's own. Where the budget's grid has the paper's, it is taken; otherwise "
     "the cell of the grid with the highest mean of the best final-generation fitness over seeds "
@@ -41,53 +40,67 @@ _CHOICE = (
 
 def table1(campaign: Campaign) -> Table:
     """Table 1: best final-generation fitness, mean and standard deviation over seeds."""
-    title = (
-        "Best final-generation fitness, mean ± SD over seeds (n - 1 in its denominator); "
-        f"{_RANKED} The configurations are those of Table 3."
-    )
-    return _means(1, title, _fitness, campaign, "table3", SETTINGS["table3"].methods)
-
-
-def table2(campaign: Campaign) -> Table:
-    """Table 2: SCORE at the largest population and each method's best learning rate."""
-    title = f"{_score_title(campaign)} {_RANKED}"
-    return _means(2, title, _score, campaign, "score", (*RULES, "neat"))
-
-
-def table3(campaign: Campaign) -> Table:
-    """Table 3: the configurations that Table 1 shows."""
-    title = f"Configurations behind Table 1, {_CHOICE}"
-    return _means(3, title, _setting, campaign, "table3", SETTINGS["table3"].methods, values=1)
-
-
-def table4(campaign: Campaign) -> Table:
-    """Table 4: the configurations that Table 7 shows."""
-    title = f"Configurations behind Table 7, {_CHOICE}"
-    return _means(4, title, _setting, campaign, "table4", SETTINGS["table4"].methods, values=7)
+    return _best_fitness(1, campaign, "table3")
 
 
 def table7(campaign: Campaign) -> Table:
     """Table 7: best final-generation fitness against NEAT without weight mutation."""
-    title = (
-        "Ablation: best final-generation fitness, mean ± SD over seeds; NEAT (w/o) is NEAT without "
-        f"weight mutation; {_RANKED} The configurations are those of Table 4."
-    )
-    return _means(7, title, _fitness, campaign, "table4", SETTINGS["table4"].methods)
+    return _best_fitness(7, campaign, "table4", _ABLATION)
+
+
+def table2(campaign: Campaign) -> Table:
+    """Table 2: SCORE at the largest population and each method's best learning rate."""
+    return _scores(2, campaign, "neat")
 
 
 def table8(campaign: Campaign) -> Table:
     """Table 8: SCORE against NEAT without weight mutation."""
-    title = f"Ablation: {_score_title(campaign)} {_RANKED}"
-    return _means(8, title, _score, campaign, "score", (*RULES, "neat_wo"))
+    return _scores(8, campaign, "neat_wo", _ABLATION)
+
+
+def table3(campaign: Campaign) -> Table:
+    """Table 3: the configurations that Table 1 shows."""
+    return _configurations(3, campaign, "table3", behind=1)
+
+
+def table4(campaign: Campaign) -> Table:
+    """Table 4: the configurations that Table 7 shows."""
+    return _configurations(4, campaign, "table4", behind=7)
+
+
+def _best_fitness(number: int, campaign: Campaign, setting: str, remark: str = "") -> Table:
+    title = (
+        f"Best final-generation fitness, mean ± SD over seeds (n - 1 in its denominator); {_RANKED}"
+        f"{remark} The configurations are those of Table {SETTINGS[setting].paper_table}."
+    )
+    methods = SETTINGS[setting].methods(campaign.configuration.budget)
+    return _means(number, title, _fitness, campaign, setting, methods, number)
+
+
+def _scores(number: int, campaign: Campaign, against: str, remark: str = "") -> Table:
+    budget = campaign.configuration.budget
+    title = (
+        f"SCORE (sample efficiency), mean ± SD over seeds, at population {max(budget.populations)} "
+        f"and each method's best learning rate, with M = {describe_samples(campaign)}; "
+        f"{_RANKED}{remark}"
+    )
+    methods = (*challengers(budget), against)
+    return _means(number, title, _score, campaign, "score", methods, number)
+
+
+def _configurations(number: int, campaign: Campaign, setting: str, behind: int) -> Table:
+    methods = SETTINGS[setting].methods(campaign.configuration.budget)
+    title = f"Configurations behind Table {behind}, {_CHOICE}"
+    return _means(number, title, _setting, campaign, setting, methods, behind)
 
 
 def lead_over_neat(table: Table) -> pd.DataFrame:
     """How far each rule's mean is above NEAT's, here and in the paper: a row for each task."""
     columns = {}
-    for method in RULES:
+    for method in [method for method in table.frame["method"].unique() if method != "neat"]:
         for place, mean in (("here", "mean"), ("paper", "paper_mean")):
             means = table.frame.pivot(index="task", columns="method", values=mean)
-            columns[METHODS[method], place] = means[method] - means["neat"]
+            columns[method_label(method), place] = means[method] - means["neat"]
     leads = pd.DataFrame(columns).reindex(table.frame["task"].unique())
     return leads.rename(index=task_label).rename_axis(None).round(2)
 
@@ -106,41 +119,17 @@ def table6(campaign: Campaign) -> Table:
 
 
 def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Table:
-    means = {
-        (each.task, each.method): each.here
-        for each in compare(campaign, setting, number, (*RULES, "neat"))
-    }
-    printed = reference.values(number)
-    rows = []
-    for task in campaign.configuration.budget.tasks:
-        neat = means[task, "neat"]
-        against = _sample(campaign, task, "neat", neat, setting)
-        for method in RULES:
-            here = means[task, method]
-            sample = _sample(campaign, task, method, here, setting)
-            seeds = min(len(sample), len(against))
-            paper, _ = printed.get((task, f"{method}_vs_neat"), (math.nan, None))
-            rows.append(
-                {
-                    "task": task,
-                    "method": method,
-                    "p": rank_sum(sample, against),
-                    "a12": float(superiority(sample, against)) if seeds else math.nan,
-                    "seeds": seeds,
-                    "incomplete": here.incomplete or neat.incomplete,
-                    "paper_p": paper,
-                    "paper_a12": reference.paper_a12(number, task, method),
-                }
-            )
-    frame = pd.DataFrame(rows)
-    frame.insert(3, "p_holm", holm(frame["p"].tolist()))
+    budget = campaign.configuration.budget
+    rules = challengers(budget)
+    frame = _tests(number, campaign, setting, rules)
     title = (
         f"One-sided Wilcoxon rank-sum test of {outcome}, each rule against NEAT: p-values, beneath "
-        "each the paper's own. Bold: below 0.05."
+        f"each the paper's own. Bold: below {ALPHA}. They are not corrected for their number: "
+        "beyond_effects.csv has Holm's p-values over the declared family."
     )
     marks = _marks(frame["incomplete"])
     lines = []
-    for task in campaign.configuration.budget.tasks:
+    for task in budget.tasks:
         row = frame[frame["task"] == task]
         ours = [
             _mark(_p(p, 2), marks.get(why))
@@ -148,8 +137,39 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
         ]
         papers = [_p(p, 3 if number == 5 else 2) for p in row["paper_p"]]
         lines += _two_lines(task, ours, papers)
-    columns = tuple(f"{METHODS[method]} vs NEAT" for method in RULES)
-    return _table(number, title, columns, lines, marks, frame, campaign, setting, (*RULES, "neat"))
+    columns = tuple(f"{method_label(rule)} vs NEAT" for rule in rules)
+    return _table(number, title, columns, lines, marks, frame, campaign, setting, (*rules, "neat"))
+
+
+def _tests(number: int, campaign: Campaign, setting: str, rules: Sequence[str]) -> pd.DataFrame:
+    """A row for each task and rule: its test against NEAT, here and in the paper."""
+    means = {
+        (each.task, each.method): each.here
+        for each in compare(campaign, setting, number, (*rules, "neat"))
+    }
+    printed = reference.values(number)
+    rows = []
+    for task in campaign.configuration.budget.tasks:
+        neat = means[task, "neat"]
+        against = _sample(campaign, task, "neat", neat, setting)
+        for rule in rules:
+            here = means[task, rule]
+            sample = _sample(campaign, task, rule, here, setting)
+            seeds = min(len(sample), len(against))
+            paper, _ = printed.get((task, f"{rule}_vs_neat"), (math.nan, None))
+            rows.append(
+                {
+                    "task": task,
+                    "method": rule,
+                    "p": rank_sum(sample, against),
+                    "a12": float(superiority(sample, against)) if seeds else math.nan,
+                    "seeds": seeds,
+                    "incomplete": here.incomplete or neat.incomplete,
+                    "paper_p": paper,
+                    "paper_a12": reference.paper_a12(number, task, rule),
+                }
+            )
+    return pd.DataFrame(rows)
 
 
 def _sample(campaign: Campaign, task: str, method: str, here: OwnSummary, setting: str) -> Floats:
@@ -163,58 +183,6 @@ def _sample(campaign: Campaign, task: str, method: str, here: OwnSummary, settin
 # --- Common -------------------------------------------------------------------------------------
 
 
-def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
-    """A budget in a sentence or two, for captions that concern some of its tasks, or all."""
-    budget = configuration.budget
-    sentence = (
-        f"Budget {budget.name}: G = {budget.generations} generations, {budget.seeds} seeds, "
-        f"{describe_episodes(configuration, tasks)}."
-    )
-    is_paper = configuration == load_configuration("paper")
-    return sentence if is_paper else f"{sentence} Reduced budget: not the paper's."
-
-
-def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
-    """Number and length of episodes, for captions that concern some of a budget's tasks, or all."""
-    episodes = configuration.evaluation.episodes
-    steps = ", ".join(
-        f"{configuration.tasks[task].max_steps} ({task_label(task)})"
-        for task in tasks or configuration.budget.tasks
-    )
-    return f"N = {episodes} episode{'s' * (episodes > 1)} per evaluation of at most {steps} steps"
-
-
-def lacking(campaign: Campaign) -> str:
-    """How many of a budget's cells lack seeds, in a sentence for captions; empty where none does.
-
-    The figures that put many cells together cannot mark each, so they say this.
-    """
-    grid = cells(campaign.configuration)
-    missing = [len(campaign.runs(cell).missing) for cell in grid]
-    if not any(missing):
-        return ""
-    runs = len(grid) * campaign.configuration.budget.seeds
-    incomplete = sum(map(bool, missing))
-    return (
-        f"Seeds are missing: {incomplete} of {len(grid)} cells are incomplete, "
-        f"{sum(missing)} of {runs} runs are not there."
-    )
-
-
-def describe_samples(campaign: Campaign) -> str:
-    """M of a budget's SCORE: 1e8."""
-    digits, _, exponent = f"{campaign.score_samples:.3e}".partition("e")
-    return f"{float(digits):g}e{int(exponent)}"
-
-
-def _score_title(campaign: Campaign) -> str:
-    largest = max(campaign.configuration.budget.populations)
-    return (
-        f"SCORE (sample efficiency), mean ± SD over seeds, at population {largest} and each "
-        f"method's best learning rate, with M = {describe_samples(campaign)};"
-    )
-
-
 def _means(
     number: int,
     title: str,
@@ -222,10 +190,10 @@ def _means(
     campaign: Campaign,
     setting: str,
     methods: Sequence[str],
-    values: int | None = None,
+    values: int,
 ) -> Table:
     """A table whose entries are printed by `entry`; table `values` has the paper's means."""
-    comparisons = compare(campaign, setting, values or number, methods)
+    comparisons = compare(campaign, setting, values, methods)
     marks = _marks(each.here.incomplete for each in comparisons)
     lines = []
     for task in campaign.configuration.budget.tasks:
@@ -234,7 +202,7 @@ def _means(
         lines += _two_lines(task, ours, [entry(each.paper) for each in row])
     frame = pd.DataFrame([_flat(each) for each in comparisons])
     frame = frame.astype({"population": "Int64", "paper_population": "Int64"})
-    columns = tuple(METHODS[method] for method in methods)
+    columns = tuple(method_label(method) for method in methods)
     return _table(number, title, columns, lines, marks, frame, campaign, setting, methods)
 
 
@@ -270,9 +238,9 @@ def _table(
 
 def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
     """That a rule was chosen among more cells than NEAT, by the runs that are shown and tested."""
-    rules = max((len(among) for (_, method), among in shown.items() if method in RULES), default=0)
-    neat = max(
-        (len(among) for (_, method), among in shown.items() if method not in RULES), default=0
+    rules, neat = (
+        max((len(among) for (_, method), among in shown.items() if method in some), default=0)
+        for some in ({method for _, method in shown} - set(BASELINES), BASELINES)
     )
     if rules <= neat:
         return []

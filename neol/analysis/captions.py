@@ -1,0 +1,52 @@
+"""What captions say of a budget: how much it spends, and what of it is not there."""
+
+from collections.abc import Sequence
+
+from neol.analysis.labels import task_label
+from neol.analysis.runs import Campaign
+from neol.campaign import cells
+from neol.spec import Configuration, load_configuration
+
+
+def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
+    """A budget in a sentence or two, for captions that concern some of its tasks, or all."""
+    budget = configuration.budget
+    sentence = (
+        f"Budget {budget.name}: G = {budget.generations} generations, {budget.seeds} seeds, "
+        f"{describe_episodes(configuration, tasks)}."
+    )
+    is_paper = configuration == load_configuration("paper")
+    return sentence if is_paper else f"{sentence} Reduced budget: not the paper's."
+
+
+def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
+    """Number and length of episodes, for captions that concern some of a budget's tasks, or all."""
+    episodes = configuration.evaluation.episodes
+    steps = ", ".join(
+        f"{configuration.tasks[task].max_steps} ({task_label(task)})"
+        for task in tasks or configuration.budget.tasks
+    )
+    return f"N = {episodes} episode{'s' * (episodes > 1)} per evaluation of at most {steps} steps"
+
+
+def describe_samples(campaign: Campaign) -> str:
+    """M of a budget's SCORE: 1e8."""
+    digits, _, exponent = f"{campaign.score_samples:.3e}".partition("e")
+    return f"{float(digits):g}e{int(exponent)}"
+
+
+def lacking(campaign: Campaign) -> str:
+    """How many of a budget's cells lack seeds, in a sentence for captions; empty where none does.
+
+    The figures that put many cells together cannot mark each, so they say this.
+    """
+    grid = cells(campaign.configuration)
+    missing = [len(campaign.runs(cell).missing) for cell in grid]
+    if not any(missing):
+        return ""
+    runs = len(grid) * campaign.configuration.budget.seeds
+    incomplete = sum(map(bool, missing))
+    return (
+        f"Seeds are missing: {incomplete} of {len(grid)} cells are incomplete, "
+        f"{sum(missing)} of {runs} runs are not there."
+    )
