@@ -52,8 +52,8 @@ def convergence(
                     reasons[task, method] = f"{table.shape[1]} of {seeds} seeds"
                 samples[method] = table.ffill().iloc[-1].to_numpy() if len(table) else np.array([])
                 marked = (place + 0.5) / len(methods)
-                _curve(top, method_label(method), looks[method], table.dropna(), marked)
-            _clip(top, here["best_fitness"])
+                draw_curve(top, method_label(method), looks[method], table.dropna(), marked)
+            clip_to_runs(top, here["best_fitness"])
             starred = {method for where, method in reasons if where == task}
             _boxes(bottom, samples, looks, starred)
             top.set_xlabel("Generation")
@@ -123,7 +123,7 @@ def heatmaps(
     return figure
 
 
-def _curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked: float) -> None:
+def draw_curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked: float) -> None:
     """A method's mean over seeds; `table` has a row for each generation, a column for each seed.
 
     `marked` says how far into each stretch of the line its marker sits.
@@ -144,7 +144,7 @@ def _curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked: fl
         axis.fill_between(table.index, low, high, color=style.colour, alpha=0.15, linewidth=0)
 
 
-def _clip(axis: Axes, values: "pd.Series[float]") -> None:
+def clip_to_runs(axis: Axes, values: "pd.Series[float]") -> None:
     """Cut an axis at the range of its runs: Student's bands leave it where seeds are few."""
     if values.empty:
         return

@@ -36,4 +36,6 @@ def method_label(method: str) -> str:
 
 def task_label(task: str) -> str:
     """A task's name; of one that the paper does not have, its own."""
+    if task.startswith("gym:"):
+        return task.removeprefix("gym:")
     return TASKS.get(task, task.replace("_", " ").title())

@@ -17,6 +17,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from neol.errors import UserError
 from neol.files import write_atomically
 
 WIDTH = 7.2
@@ -64,8 +65,15 @@ SETTINGS: dict[Any, Any] = {
     "figure.constrained_layout.use": True,
     "figure.constrained_layout.hspace": 0.0,
     "pdf.fonttype": 42,
+    "svg.hashsalt": "neol",
     "savefig.dpi": 200,
 }
+_METADATA: dict[str, Any] = {
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+}
+"""What a file says of itself beside its picture, by kind: neither date nor version."""
 
 
 def styles(methods: Sequence[str]) -> dict[str, Style]:
@@ -102,18 +110,29 @@ def footer(figure: Figure, text: str) -> None:
 
 
 def save(figure: Figure, path: Path) -> list[Path]:
-    """Write path.pdf and path.png, the same bytes for the same picture: without date or version.
-
-    Returns the two.
-    """
-    metadata = {
-        "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-        "png": {"Software": None},
-    }
+    """Write path.pdf and path.png (see `write_picture`). Returns the two."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    outputs = [path.with_suffix(f".{kind}") for kind in ("pdf", "png")]
+    for output in outputs:
+        write_picture(figure, output)
+    return outputs
+
+
+def write_picture(figure: Figure, path: Path) -> None:
+    """Write a figure as what the path's suffix says: .pdf, .png or .svg.
+
+    The same bytes for the same picture: without date or version.
+    """
+    kind = picture_kind(path)
+    buffer = io.BytesIO()
     with drawing():
-        for kind, entries in metadata.items():
-            buffer = io.BytesIO()
-            figure.savefig(buffer, format=kind, metadata=entries)
-            write_atomically(path.with_suffix(f".{kind}"), buffer.getvalue())
-    return [path.with_suffix(f".{kind}") for kind in metadata]
+        figure.savefig(buffer, format=kind, metadata=_METADATA[kind])
+    write_atomically(path, buffer.getvalue())
+
+
+def picture_kind(path: Path) -> str:
+    """Of a picture's file: pdf, png or svg. Raises UserError for any other suffix."""
+    kind = path.suffix.removeprefix(".").lower()
+    if kind not in _METADATA:
+        raise UserError(f"{path}: pictures are {', '.join(_METADATA)}; end its name in one of them")
+    return kind
