@@ -1,45 +1,13 @@
 """YAML files laid over each other, every value remembering where it came from."""
 
-import re
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from neol.errors import UserError
+from neol.plain_yaml import parse_yaml, read_yaml
 
-
-class _Loader(yaml.SafeLoader):
-    """YAML 1.2's plain scalars (`off` is a word, `1e-3` a number), and no key twice."""
-
-    yaml_implicit_resolvers = {}  # noqa: RUF012  # filled below through PyYAML's own interface
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        for index, key in enumerate(keys):
-            if key.value in [earlier.value for earlier in keys[:index]]:
-                raise yaml.constructor.ConstructorError(
-                    None,
-                    None,
-                    f'key "{key.value}" stands here a second time',
-                    key.start_mark,
-                )
-        return super().construct_mapping(node, deep)
-
-
-for _kind, _pattern, _first in (
-    ("null", r"null|~|", ["n", "~", ""]),
-    ("bool", r"true|false", ["t", "f"]),
-    ("int", r"[-+]?(0|[1-9][0-9]*)", list("-+0123456789")),
-    (
-        "float",
-        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?",
-        list("-+.0123456789"),
-    ),
-):
-    _Loader.add_implicit_resolver(
-        f"tag:yaml.org,2002:{_kind}", re.compile(f"^(?:{_pattern})$"), _first
-    )
+DEEPEST = 10
+"""Keys in a path of them; the configuration's are shorter."""
 
 
 class Overlay:
@@ -56,10 +24,7 @@ class Overlay:
     def add_file(self, path: Path) -> None:
         """Lay a YAML file over what is there."""
         name = f"{path.parent.name}/{path.name}"
-        try:
-            content = _parse(path.read_text(encoding="utf-8"), name)
-        except (OSError, UnicodeDecodeError) as error:
-            raise UserError(f"{name}: cannot be read ({error})") from None
+        content = read_yaml(path, name)
         if not isinstance(content, dict):
             raise UserError(f"{name}: must be a mapping of keys to values")
         self._sources[()] = name  # whoever leaves a key out, the last file is the place to mend it
@@ -69,13 +34,13 @@ class Overlay:
         """Lay one value over what is there, written like "neat.elitism=3" (--set)."""
         key, equals, value = override.partition("=")
         path = key.strip().split(".")
-        if not (equals and all(path)):
+        if not (equals and all(path) and len(path) <= DEEPEST):
             raise UserError(f'--set "{override}": write it as key=value, like neat.elitism=3')
-        self.add(tuple(path), _parse(value, f"--set {override}"), "--set")
+        self.add(tuple(path), parse_yaml(value, f"--set {override}"), "--set")
 
     def add_option(self, option: str, loc: tuple[str, ...], value: str) -> None:
         """Lay the value of a command line's option over what is there."""
-        self.add(loc, _parse(value, f"{option} {value}"), option)
+        self.add(loc, parse_yaml(value, f"{option} {value}"), option)
         self._options[loc] = option
 
     def source(self, loc: tuple[str, ...]) -> str:
@@ -110,13 +75,3 @@ class Overlay:
                 self._merge(below[here[-1]], value, source, here)
             else:
                 below[here[-1]] = value
-
-
-def _parse(text: str, name: str) -> Any:
-    try:
-        return yaml.load(text, Loader=_Loader)  # a SafeLoader
-    except yaml.MarkedYAMLError as error:
-        line = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise UserError(f"{name}{line}: {error.problem}") from None
-    except yaml.YAMLError as error:
-        raise UserError(f"{name}: {str(error).splitlines()[0]}") from None

@@ -28,7 +28,6 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-import yaml
 from pydantic import Field, ValidationError
 
 from neol.analysis.evidence import Compare, Gain, Part, Rank, Significant
@@ -46,6 +45,7 @@ from neol.analysis.statistics import (
     seeds_needed,
 )
 from neol.errors import UserError
+from neol.plain_yaml import read_yaml
 from neol.spec import ROOT, Model
 
 CLAIMS = ROOT / "paper" / "claims.yaml"
@@ -131,12 +131,10 @@ class Decision:
 def load_claims(path: Path = CLAIMS) -> tuple[Claim, ...]:
     """The claims of a ledger. Raises UserError in one line for what is wrong in it."""
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = read_yaml(path, path.name)
         claims = _Ledger.model_validate_json(json.dumps(content)).claims
     except ValidationError as error:
         raise UserError(f"{path.name}: {_first(error)}") from None
-    except (OSError, yaml.YAMLError) as error:
-        raise UserError(f"{path}: cannot be read ({error})") from None
     twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
     if twice:
         raise UserError(f'{path.name}: two claims are called "{twice[0]}"')
