@@ -101,8 +101,9 @@ def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str
 
 
 def _split(budget: Budget, cell: Cell) -> Iterator[Block]:
-    for first in range(0, budget.seeds, budget.seeds_per_job):
-        last = min(first + budget.seeds_per_job, budget.seeds) - 1
+    size = budget.seeds_per_job_of(cell.task)
+    for first in range(0, budget.seeds, size):
+        last = min(first + size, budget.seeds) - 1
         yield Block(budget.name, cell, first, last)
 
 

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, LiteralString, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -38,14 +38,16 @@ ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
 
 
-def _in_one_sentence(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
-    """Say what is allowed where pydantic would report on each member of the union."""
-    try:
-        return validate(value)
-    except ValidationError:
-        raise PydanticCustomError(
-            "weight_mutation", "must be 'off', 'config' or a probability from 0 to 1"
-        ) from None
+def _union(sentence: LiteralString) -> WrapValidator:
+    """Say in one sentence what is allowed where pydantic would report on each member of a union."""
+
+    def check(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return validate(value)
+        except ValidationError:
+            raise PydanticCustomError("union", sentence) from None
+
+    return WrapValidator(check)
 
 
 Item = TypeVar("Item")
@@ -97,7 +99,14 @@ Several = Annotated[
 
 RuleName = Annotated[str, _OneOf(lambda: [NO_RULE, *RULES])]
 MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES])]
-WeightMutation = Annotated[Literal["off", "config"] | Probability, WrapValidator(_in_one_sentence)]
+WeightMutation = Annotated[
+    Literal["off", "config"] | Probability,
+    _union("must be 'off', 'config' or a probability from 0 to 1"),
+]
+SeedsPerJob = Annotated[
+    PositiveInt | dict[Text, PositiveInt],
+    _union("must be an integer of at least 1, or such an integer for each task"),
+]
 
 
 class Model(BaseModel):
@@ -276,8 +285,13 @@ class Budget(Model):
     """Grid of eta for the methods with a rule."""
     tasks: Several[Text]
     methods: Several[MethodName]
-    seeds_per_job: PositiveInt
-    """Runs of a cell that one job of the workflow makes."""
+    seeds_per_job: SeedsPerJob
+    """Runs of a cell that one job of the workflow makes: of any task, or for each."""
+
+    def seeds_per_job_of(self, task: str) -> int:
+        """How many runs one job makes of a task's cell."""
+        each = self.seeds_per_job
+        return each if isinstance(each, int) else each[task]
 
 
 class Configuration(Model):
@@ -389,6 +403,10 @@ def load_configuration(
             raise UserError(
                 f'{source}: budget.tasks: unknown task "{task}"{hint(task, configuration.tasks)}'
             )
+        sizes = configuration.budget.seeds_per_job
+        if isinstance(sizes, dict) and task not in sizes:
+            source = overlay.source(("budget", "seeds_per_job"))
+            raise UserError(f"{source}: budget.seeds_per_job: no number for {task}")
     return configuration
 
 

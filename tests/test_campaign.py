@@ -37,9 +37,9 @@ def test_order_is_that_of_the_file(paper):
 def test_a_record_s_path_says_budget_cell_and_seeds(paper):
     records = [block.record for block in blocks(paper)]
     assert len(set(records)) == len(records) == 224 * 6
-    hebb = "results/paper/cartpole/hebb/p050_lr0.00025/seeds_000-004.parquet"
+    hebb = "results/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
     assert records[0] == Path(hebb)
-    neat = "results/paper/bipedal_walker/neat_wo/p300/seeds_025-029.parquet"
+    neat = "results/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
     assert records[-1] == Path(neat)
 
 
@@ -70,10 +70,15 @@ def test_blocks_cover_every_seed_once(seeds, per_job):
     assert max(len(block.seeds) for block in blocks(configuration)) <= per_job
 
 
+def test_each_task_may_have_blocks_of_its_own_size(paper):
+    sizes = {(block.cell.task, len(block.seeds)) for block in blocks(paper)}
+    assert sizes == {("cartpole", 30), ("lunar_lander", 10), ("hopper", 3), ("bipedal_walker", 3)}
+
+
 def test_a_block_s_runs_are_those_of_its_cell(paper):
-    block = blocks(paper)[7]
+    block = next(block for block in blocks(paper) if block.first == 3)
     runs = run_specs(paper, block)
-    assert [run.seed for run in runs] == list(block.seeds) == [5, 6, 7, 8, 9]
+    assert [run.seed for run in runs] == list(block.seeds) == [3, 4, 5]
     assert {run.plasticity.learning_rate for run in runs} == {block.cell.learning_rate}
     assert {run.generations for run in runs} == {500}
 

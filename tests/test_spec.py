@@ -195,6 +195,8 @@ def test_an_unknown_budget(budget):
         ("plasticity.threshold_rate=2", "plasticity.threshold_rate = 2: must be less than or"),
         ("evaluation.episodes=0", "evaluation.episodes = 0: must be greater than or equal to 1"),
         ("evaluation.step_limit=0", "evaluation.step_limit = 0: must be greater than or equal"),
+        ("budget.seeds_per_job=0", "budget.seeds_per_job = 0: must be an integer of at least 1"),
+        ("budget.seeds_per_job={hopper: 3}", "budget.seeds_per_job: no number for cartpole"),
         ("network.hidden_activation=sin", "network.hidden_activation = 'sin': must be 'tanh', "),
         (
             "methods.hebb.weight_mutation=1.5",
