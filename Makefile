@@ -11,11 +11,12 @@ ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help environment test bench lock clean FORCE
+.PHONY: help environment lab test bench lock clean FORCE
 .DELETE_ON_ERROR:
 
 help:
 	@echo 'make figures/table1.tex   a table or figure, from runs to LaTeX (any other file of figures/ alike)'
+	@echo 'make lab                  play: opens notebooks/explore.ipynb in JupyterLab'
 	@echo 'make test                 all checks and tests'
 	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
 	@echo 'make environment          only set up $(VENV)'
@@ -25,6 +26,9 @@ help:
 
 figures/%: $(READY) FORCE
 	$(RUN) snakemake $@
+
+lab: $(READY)
+	$(RUN) jupyter lab notebooks/explore.ipynb
 
 test: $(READY)
 	$(RUN) ruff check

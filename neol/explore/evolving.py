@@ -1,0 +1,116 @@
+"""Small runs that evolve while one looks on."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from neol.analysis.labels import method_label, task_label
+from neol.analysis.style import GREY, WIDTH, drawing, styles
+from neol.evolution import Evolution, Generation
+from neol.rollout import make_engine
+from neol.rollout.reference import network_size
+from neol.spec import RunSpec, load_configuration
+
+PICTURE_SECONDS = 0.3
+"""Pictures come no oftener."""
+HELD_OUT_EPISODES = 20
+
+
+def specification(
+    *,
+    task: str,
+    method: str,
+    eta: float,
+    beta: float,
+    population: int,
+    generations: int,
+    seed: int,
+) -> RunSpec:
+    """A run of the paper's constants but for these; eta is left aside for a method without a rule.
+
+    Raises UserError for what no run can be.
+    """
+    configuration = load_configuration(
+        "paper",
+        [
+            f"plasticity.reward_scale={beta}",
+            f"evaluation.held_out_episodes={HELD_OUT_EPISODES}",
+        ],
+    )
+    learns = {name for name, each in configuration.methods.items() if each.rule != "none"}
+    return configuration.run_spec(
+        task=task,
+        method=method,
+        population=population,
+        learning_rate=eta if method in learns else None,
+        generations=generations,
+        seed=seed,
+    )
+
+
+@dataclass(slots=True)
+class Evolutions:
+    """Each call evolves a population and draws it; the runs before stay, in grey."""
+
+    earlier: list[tuple[str, str, list[Generation]]] = field(default_factory=list)
+    """Task, label and history, the oldest first."""
+
+    def __call__(self, **settings: Any) -> Iterator[Figure]:
+        """Yield a picture now and then, the last one with the champion's fresh episodes.
+
+        The settings are those of `specification`, and errors too.
+        """
+        spec = specification(**settings)
+        label = f"{method_label(spec.method)} P={spec.population} seed {spec.seed}"
+        if spec.plasticity.rule != "none":
+            label += f" η={spec.plasticity.learning_rate:g} β={spec.plasticity.reward_scale:g}"
+        engine, drawn = make_engine(spec.task), -float("inf")
+        evolution = Evolution.begin(spec, *network_size(spec.task))
+        for _ in evolution.run(engine):
+            if time.monotonic() - drawn >= PICTURE_SECONDS:
+                yield self._draw(spec, label, evolution.history)
+                drawn = time.monotonic()
+        returns = evolution.held_out_returns(engine)
+        engine.close()
+        fresh = f"champion in {len(returns)} fresh episodes: {returns.mean():.1f}"
+        yield self._draw(spec, label, evolution.history, fresh)
+        self.earlier.append((spec.task.name, label, evolution.history))
+
+    def _draw(
+        self, spec: RunSpec, label: str, history: list[Generation], remark: str = ""
+    ) -> Figure:
+        look = styles([spec.method])[spec.method]
+        with drawing():
+            figure = Figure(figsize=(WIDTH, 2.8))
+            axis = figure.subplots()
+            for task, name, past in self.earlier:
+                if task != spec.task.name:
+                    continue
+                axis.plot(
+                    [row.generation for row in past],
+                    [row.best_fitness for row in past],
+                    color=GREY,
+                    alpha=0.5,
+                    linewidth=0.8,
+                    label=name,
+                )
+            x = [row.generation for row in history]
+            axis.plot(x, [row.best_fitness for row in history], color=look.colour, label=label)
+            axis.plot(
+                x,
+                [row.mean_fitness for row in history],
+                color=look.colour,
+                linestyle=":",
+                label="its population's mean",
+            )
+            axis.set_xlim(1, spec.generations)
+            axis.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+            axis.set_title(f"{task_label(spec.task.name)}{remark and f', {remark}'}")
+            axis.set_xlabel("generation")
+            axis.set_ylabel("best fitness (return)")
+            figure.legend(loc="outside right upper")
+        return figure

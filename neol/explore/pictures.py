@@ -1,0 +1,156 @@
+"""The pictures of notebooks/explore.ipynb that no table or figure of the paper has."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from neol.analysis.labels import method_label, task_label
+from neol.analysis.statistics import Floats, mean_interval
+from neol.analysis.style import GREY, WIDTH, drawing, styles
+from neol.champions.player import Player, Trace
+from neol.errors import UserError
+from neol.explore.runs import load_record
+from neol.records import DOCUMENTATION
+
+PLASTIC, FROZEN = "#0072B2", "#D55E00"
+"""An episode that learns to its end, and one that stops learning."""
+
+OUTCOMES = {
+    "held_out": "held-out return",
+    "best_fitness": "best fitness (return)",
+    "connections": "connections of the best genome",
+    "env_steps": "environment steps",
+    "cpu_seconds": "CPU time (s)",
+}
+"""What runs can be compared by: a column of `table_of_runs`, and how an axis calls it."""
+
+
+def axis_label(column: str) -> str:
+    """A record's column with its unit: "best fitness (return)"."""
+    unit = DOCUMENTATION[column][0]
+    name = column.replace("_", " ")
+    return f"{name} ({unit})" if unit and unit != name else name
+
+
+def learning_curves(
+    results: Path,
+    runs: pd.DataFrame,
+    *,
+    task: str,
+    setting: tuple[str, int, float],
+    column: str,
+    against: str,
+) -> Figure:
+    """A column of the records over another, for each method: mean over seeds with 95% interval.
+
+    `setting` is a budget, a population and a learning rate, which NEAT has not.
+    Raises UserError where there is no such run.
+    """
+    budget, population, rate = setting
+    chosen = runs[
+        (runs["task"] == task)
+        & (runs["budget"] == budget)
+        & (runs["population"] == population)
+        & (runs["learning_rate"].isin([rate]) | runs["learning_rate"].isna())
+        & ~runs["sensitivity"]
+    ]
+    if chosen.empty:
+        raise UserError(f"budget {budget} has no runs of {task} with P = {population}")
+    looks = styles(sorted(runs["method"].unique()))
+    with drawing():
+        figure = Figure(figsize=(WIDTH, 2.8))
+        axis = figure.subplots()
+        for method, records in chosen.groupby("method")["record"].unique().items():
+            table = pd.concat([load_record(results / name).table.to_pandas() for name in records])
+            values = table.pivot_table(index="generation", columns="seed", values=column).dropna()
+            y = values.to_numpy(dtype=float)
+            x = table[against].groupby(table["generation"]).mean().loc[values.index]
+            look = looks[str(method)]
+            label = f"{method_label(str(method))}, {values.shape[1]} seeds"
+            axis.plot(x, y.mean(axis=1), color=look.colour, linestyle=look.line, label=label)
+            axis.fill_between(x, *mean_interval(y), color=look.colour, alpha=0.15, linewidth=0)
+        axis.set_title(f"{task_label(task)}, P = {population}, η = {rate:g}")
+        axis.set_xlabel(axis_label(against))
+        axis.set_ylabel(axis_label(column))
+        figure.legend(loc="outside right upper")
+    return figure
+
+
+def switched_off(player: Player, *, step: int, episodes: int) -> Figure:
+    """What becomes of held-out episodes when plasticity stops after some steps.
+
+    One episode with and without the stop: reward so far, and how far weights have moved. Then the
+    returns of so many episodes, each played both ways.
+    """
+    seeds = player.held_out_seeds[:episodes]
+    plastic = [player.play(seed) for seed in seeds]
+    frozen = [player.play(seed, plastic_steps=step) for seed in seeds]
+    both = (("to the end", PLASTIC, "-", plastic), (f"to step {step}", FROZEN, "--", frozen))
+    with drawing():
+        figure = Figure(figsize=(WIDTH, 2.7))
+        reward, weight, returns = figure.subplots(1, 3)
+        for label, colour, line, traces in both:
+            reward.plot(np.cumsum(traces[0].rewards), line, color=colour, label=f"plastic {label}")
+            weight.plot(_moved(traces[0]), line, color=colour)
+        for axis in (reward, weight):
+            axis.axvline(step, color=GREY, linewidth=0.7, linestyle=":")
+            axis.set_xlabel("step of one episode")
+            axis.xaxis.set_major_locator(MaxNLocator(4, integer=True))
+        reward.set_ylabel("reward so far")
+        weight.set_ylabel("mean |weight - first weight|")
+        _pairs(returns, plastic, frozen, step)
+        figure.legend(loc="outside upper center", ncols=2)
+    return figure
+
+
+def outcomes(runs: pd.DataFrame, *, task: str, outcome: str, by: str) -> Figure:
+    """An outcome of all runs of a task, grouped by one of their columns: every run, and means.
+
+    Raises UserError where no run has both.
+    """
+    here = runs[(runs["task"] == task) & ~runs["sensitivity"]].dropna(subset=[outcome, by])
+    if here.empty:
+        raise UserError(f"no run of {task} has {by} and {outcome}")
+    with drawing():
+        figure = Figure(figsize=(WIDTH, 2.8))
+        axis = figure.subplots()
+        groups = list(here.groupby(by)[outcome])
+        for place, (_, values) in enumerate(groups):
+            sample = values.to_numpy(dtype=float)
+            offsets = np.linspace(-0.18, 0.18, len(sample))
+            axis.plot(place + offsets, sample, ".", color=GREY, alpha=0.5, markersize=3)
+            low, high = mean_interval(sample)
+            axis.vlines(place + 0.3, low, high, color=PLASTIC)
+            axis.plot(place + 0.3, sample.mean(), "o", color=PLASTIC)
+        names = [method_label(str(key)) if by == "method" else f"{key:g}" for key, _ in groups]
+        counts = [len(values) for _, values in groups]
+        axis.set_xticks(
+            range(len(groups)), [f"{name}\n{n} runs" for name, n in zip(names, counts, strict=True)]
+        )
+        axis.set_title(task_label(task))
+        axis.set_xlabel(by.replace("_", " "))
+        axis.set_ylabel(OUTCOMES[outcome])
+    return figure
+
+
+def _moved(trace: Trace) -> Floats:
+    """Mean distance of the weights from those that the episode began with, after each step."""
+    moved: Floats = np.abs(trace.weights - trace.weights[0]).mean(axis=1)
+    return moved
+
+
+def _pairs(axis: Axes, plastic: Sequence[Trace], frozen: Sequence[Trace], step: int) -> None:
+    """Each episode's two returns against each other, and what the difference comes to."""
+    x = np.array([trace.episode_return for trace in plastic])
+    y = np.array([trace.episode_return for trace in frozen])
+    axis.axline((0, 0), slope=1, color=GREY, linewidth=0.7, linestyle=":")
+    axis.plot(x, y, "o", color=FROZEN, alpha=0.7)
+    axis.set_xlabel("return, plastic to the end")
+    axis.set_ylabel(f"return, plastic to step {step}")
+    low, high = mean_interval(y - x)
+    axis.set_title(f"Stopping gains {np.mean(y - x):+.1f}\n(95%: {low:+.1f} to {high:+.1f})")

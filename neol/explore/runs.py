@@ -1,0 +1,74 @@
+"""Which runs there are: those of every record below a folder."""
+
+from functools import cache, lru_cache
+from pathlib import Path
+
+import pandas as pd
+
+from neol.champions.player import Player, load_champion
+from neol.errors import UserError
+from neol.records import Record, read_record
+
+
+def find_records(results: Path) -> list[str]:
+    """All finished records, as paths below the folder. Raises UserError where there is none."""
+    found = sorted(
+        str(path.relative_to(results))
+        for path in results.rglob("*.parquet")
+        if not any(folder.suffix == ".partial" for folder in path.parents)
+    )
+    if not found:
+        raise UserError(f"{results}: holds no record; `snakemake records` makes the smallest ones")
+    return found
+
+
+@cache
+def load_record(path: Path) -> Record:
+    """A record, read and verified once. Raises UserError."""
+    return read_record(path)
+
+
+@lru_cache(maxsize=16)
+def load_player(path: Path, seed: int) -> Player:
+    """The champion of a run, loaded once. Raises UserError."""
+    return load_champion(path, seed)
+
+
+def table_of_runs(results: Path) -> pd.DataFrame:
+    """A row for each run of all records: what it was, what it came to, what it cost."""
+    rows = []
+    for name in find_records(results):
+        record = load_record(results / name)
+        spec = record.spec
+        last = record.table.to_pandas().groupby("seed").last()
+        rows += [
+            {
+                "record": name,
+                "budget": record.budget,
+                "sensitivity": "sensitivity" in Path(name).parts,
+                "task": spec.task.name,
+                "method": spec.method,
+                "population": spec.population,
+                "learning_rate": None
+                if spec.plasticity.rule == "none"
+                else spec.plasticity.learning_rate,
+                "generations": spec.generations,
+                "seed": info.seed,
+                "best_fitness": info.champion.fitness,
+                "held_out": info.held_out.mean,
+                "env_steps": last.at[info.seed, "env_steps"],
+                "connections": last.at[info.seed, "connections_best"],
+                "weight_change": last.at[info.seed, "weight_change_mean"],
+                "cpu_seconds": info.cpu_seconds,
+            }
+            for info in record.seeds
+        ]
+    return pd.DataFrame(rows).astype({"learning_rate": float, "held_out": float})
+
+
+def episode_seed(player: Player, episode: int) -> int:
+    """The seed of a held-out episode of a player's record. Raises UserError beyond the last one."""
+    seeds = player.held_out_seeds
+    if not 0 <= episode < len(seeds):
+        raise UserError(f"episode {episode}: the record has 0 to {len(seeds) - 1}")
+    return seeds[episode]

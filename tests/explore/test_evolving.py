@@ -1,0 +1,46 @@
+"""Small runs, drawn while they evolve."""
+
+import pytest
+from matplotlib.figure import Figure
+
+from neol.errors import UserError
+from neol.explore import evolving
+from neol.explore.evolving import Evolutions
+from tests.test_evolution import evolve
+
+SMALL = {"task": "cartpole", "population": 4, "generations": 3, "seed": 1, "eta": 0.25, "beta": 0.5}
+
+
+def labels(figure: Figure) -> list[str]:
+    return [str(line.get_label()) for line in figure.axes[0].get_lines()]
+
+
+def test_each_generation_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(evolving, "PICTURE_SECONDS", 0.0)
+    evolutions = Evolutions()
+    pictures = list(evolutions(method="oja", **SMALL))  # type: ignore[arg-type]
+    lengths = [len(picture.axes[0].get_lines()[0].get_xdata()) for picture in pictures]  # type: ignore[arg-type]
+    assert lengths == [1, 2, 3, 3]
+    assert labels(pictures[-1]) == ["Oja P=4 seed 1 η=0.25 β=0.5", "its population's mean"]
+    assert "champion in 20 fresh episodes: " in pictures[-1].axes[0].get_title()
+
+
+def test_what_is_drawn_is_the_run_of_that_specification() -> None:
+    evolutions = Evolutions()
+    *_, last = evolutions(method="oja", **SMALL)  # type: ignore[arg-type]
+    drawn = last.axes[0].get_lines()[0].get_ydata()
+    expected = evolve(evolving.specification(method="oja", **SMALL))  # type: ignore[arg-type]
+    assert list(drawn) == [row.best_fitness for row in expected.history]
+
+
+def test_earlier_runs_of_the_task_stay() -> None:
+    evolutions = Evolutions()
+    list(evolutions(method="neat", **SMALL))  # type: ignore[arg-type]
+    *_, last = evolutions(method="bcm", **SMALL)  # type: ignore[arg-type]
+    assert labels(last)[0] == "NEAT P=4 seed 1"
+    assert labels(last)[1].startswith("BCM ")
+
+
+def test_what_no_run_can_be_is_refused() -> None:
+    with pytest.raises(UserError, match="population"):
+        next(Evolutions()(method="bcm", **SMALL | {"population": 1}))  # type: ignore[arg-type]
