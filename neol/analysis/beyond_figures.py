@@ -24,8 +24,8 @@ NO_LINE = (
 )
 METRIC_LABELS = {
     "score": "SCORE",
-    "equal_evaluations": "Best so far (return),\nequal evaluations",
-    "equal_steps": "Best so far (return),\nequal steps",
+    "equal_evaluations": "Best return so far,\nequal evaluations",
+    "equal_steps": "Best return so far,\nequal steps",
 }
 
 
@@ -114,9 +114,7 @@ def aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
             "Interquartile mean of the final best fitness / Gymnasium's reward threshold"
         )
         _legend(figure, looks)
-        explanation = (
-            "Lines: 95% intervals (stratified bootstrap); without one, all runs are equal."
-        )
+        explanation = "Lines: 95% intervals (stratified bootstrap), some within their mark."
         footer(figure, f"{note} {explanation}{_no_threshold(budget)}")
     return figure
 
@@ -125,7 +123,7 @@ def efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """SCORE beside the best-so-far fitness at equal cost, over the population size."""
     looks = _looks(table, budget)
     with drawing():
-        figure = Figure(figsize=(WIDTH, 4.6))
+        figure = Figure(figsize=(WIDTH, 5.2))
         axes = figure.subplots(len(METRIC_LABELS), len(budget.tasks), sharex=True, squeeze=False)
         for row, (metric, label) in zip(axes, METRIC_LABELS.items(), strict=True):
             for axis, task in zip(row, budget.tasks, strict=True):
@@ -177,8 +175,11 @@ def sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str) -> F
         axes = figure.subplots(1, len(tasks), sharey=True, sharex=True, squeeze=False)[0]
         for axis, task in zip(axes, tasks, strict=True):
             _from_0_to_1(axis, task_label(task))
-            for row in varied[varied["task"] == task].to_dict("records"):
-                place = (-0.2 if row["method"] == "neat" else 0.2) - names.index(row["variant"])
+            here = varied[varied["task"] == task]
+            counts = here.groupby("variant")["method"].transform("size")
+            for row in here.assign(beside=counts > 1).to_dict("records"):
+                offset = 0.2 * row["beside"] * (-1 if row["method"] == "neat" else 1)
+                place = offset - names.index(row["variant"])
                 _interval(axis, place, row, "a12", looks[row["method"]])
                 if row["pairs"] < seeds:
                     there = f"{row['pairs']}/{seeds}"

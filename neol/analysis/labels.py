@@ -1,11 +1,11 @@
 """Tasks and methods as the paper prints them, and in which order."""
 
+from neol.rules import WITHOUT_RULE
 from neol.spec import Budget
 
 METHODS = {"bcm": "BCM", "hebb": "Hebb", "oja": "Oja", "neat": "NEAT", "neat_wo": "NEAT (w/o)"}
-RULES = ("bcm", "hebb", "oja")
-"""The paper's, in the order of its tables."""
-BASELINES = ("neat", "neat_wo")
+PAPER_RULES = ("bcm", "hebb", "oja")
+"""In the order of its tables."""
 TASKS = {
     "cartpole": "CartPole",
     "lunar_lander": "Lunar Lander",
@@ -20,13 +20,13 @@ HEATMAPS = {
 
 
 def challengers(budget: Budget) -> tuple[str, ...]:
-    """What is compared with NEAT: the paper's rules, then every other method of a budget."""
-    return (*RULES, *(method for method in budget.methods if method not in METHODS))
+    """What is compared with NEAT: the paper's rules, then a budget's other ones."""
+    return (*PAPER_RULES, *(method for method in budget.methods if method not in METHODS))
 
 
 def shown_methods(budget: Budget) -> tuple[str, ...]:
     """All methods that tables and figures have a place for, in their order."""
-    return (*challengers(budget), *BASELINES)
+    return (*challengers(budget), *WITHOUT_RULE)
 
 
 def method_label(method: str) -> str:

@@ -11,12 +11,13 @@ import pandas as pd
 from neol.analysis import reference
 from neol.analysis.captions import describe_budget, describe_samples
 from neol.analysis.choice import SETTINGS, candidates
-from neol.analysis.labels import BASELINES, challengers, method_label, task_label
+from neol.analysis.labels import challengers, method_label, task_label
 from neol.analysis.runs import Campaign
 from neol.analysis.statistics import ALPHA, Floats, rank_sum, superiority
 from neol.analysis.summary import Comparison, OwnSummary, Summary, compare
 from neol.analysis.table import Entry, Line, Table
 from neol.campaign import Cell
+from neol.rules import WITHOUT_RULE
 
 NOTHING = "--"
 CHOSEN_OF_FOUR = 0.14
@@ -240,7 +241,7 @@ def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
     """That a rule was chosen among more cells than NEAT, by the runs that are shown and tested."""
     rules, neat = (
         max((len(among) for (_, method), among in shown.items() if method in some), default=0)
-        for some in ({method for _, method in shown} - set(BASELINES), BASELINES)
+        for some in ({method for _, method in shown} - set(WITHOUT_RULE), WITHOUT_RULE)
     )
     if rules <= neat:
         return []
