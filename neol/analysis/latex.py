@@ -7,6 +7,7 @@ _SPECIAL = {
     "&": "\\&",
     "%": "\\%",
     "#": "\\#",
+    "[": "{[}",  # after a line's \\\\ it would begin an argument
     "_": "\\_",
     "$": "\\$",
     "{": "\\{",
