@@ -8,6 +8,7 @@ import sys
 from glob import glob
 from pathlib import Path
 
+from benchmarks.cost import walltime_minutes
 from neol.analysis.choice import candidates
 from neol.analysis.labels import HEATMAPS
 from neol.campaign import blocks
@@ -42,14 +43,20 @@ REASONS = {path: job.reason() for path, job in JOBS.items()}
 KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
 
 
-def run_arguments(wildcards):
-    """The arguments of `neol run` for a record."""
+def job(wildcards):
+    """The job that makes a record."""
     path = f"results/{wildcards.record}.parquet"
     if path not in JOBS:
         sys.exit(
             f"neol: {path}: budget {BUDGET} has no such record, {next(iter(JOBS))} is its first"
         )
-    return JOBS[path].arguments
+    return JOBS[path]
+
+
+def run_minutes(wildcards):
+    """How long a cluster shall let a job run."""
+    this = job(wildcards)
+    return walltime_minutes(this.spec, len(this.seeds))
 
 
 def shown(*settings):
@@ -203,8 +210,9 @@ rule run:
     threads: 1
     resources:
         mem_mb=500,
+        runtime=run_minutes,
     params:
-        arguments=run_arguments,
+        arguments=lambda wildcards: job(wildcards).arguments,
         reason=lambda wildcards: REASONS[f"results/{wildcards.record}.parquet"],
     message:
         "{params.reason}"

@@ -6,6 +6,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from benchmarks.cost import NEAT_POPULATION
+
 Key = tuple[str, str, str]
 """Quantity, task, networks; empty where it is of no particular task or networks."""
 Array = npt.NDArray[np.float64]
@@ -21,7 +23,6 @@ TITLES = {
 }
 PARTS = ("network", "plasticity", "physics", "environment", "neat", "other")
 RULES = ("hebb", "oja", "bcm")
-NEAT_POPULATION = 300
 
 
 def summarise(values: Values) -> pd.DataFrame:
