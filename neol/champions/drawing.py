@@ -10,7 +10,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 
-from neol.analysis.labels import METHODS, task_label
+from neol.analysis.labels import method_label, task_label
 from neol.analysis.style import GREY, WIDTH, drawing
 from neol.champions.graph import Edge, graph
 from neol.champions.names import names
@@ -23,6 +23,8 @@ COOL_TO_WARM = LinearSegmentedColormap.from_list(
 """Blue to orange, as in Figure 1: colour-blind readers tell them apart, and blue prints darker."""
 THINNEST, THICKEST = 0.4, 3.2
 """Points: the lines of a weight near 0 and of the largest."""
+WITHOUT_THRESHOLD = ("hebb", "oja")
+"""Rules whose changes do not depend on it."""
 ROW = 1.25
 """Inches of a plot over time."""
 NAMED = 3
@@ -121,7 +123,7 @@ def title(player: Player) -> str:
     held_out = held_out[np.isfinite(held_out)]
     mean = f", held-out mean {_number(held_out.mean())}" if len(held_out) else ""
     return (
-        f"{task_label(spec.task.name)}, {METHODS[spec.method]}, seed {spec.seed}: "
+        f"{task_label(spec.task.name)}, {method_label(spec.method)}, seed {spec.seed}: "
         f"fitness {_number(player.genome.fitness)}{mean}"
     )
 
@@ -133,17 +135,22 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
     """How weights change within an episode, as in the paper's Figure 1, and what changes them.
 
     Above the network at the start, in the middle and at the end: the colour is each weight's
-    change since the start. Below, over the same steps: changes, rewards and BCM's thresholds.
+    change since the start. Below, over the same steps: changes, rewards and, where the rule uses
+    them, thresholds.
     Raises UserError for a champion that does not learn.
     """
     spec = player.spec
     if spec.plasticity.rule == "none":
         raise UserError(
-            f"{METHODS[spec.method]} does not learn within an episode; "
+            f"{method_label(spec.method)} does not learn within an episode; "
             "--plasticity needs a champion of a method that does"
         )
     changes = trace.weights - trace.weights[0]
-    plots = [_changes, _rewards, *([_thresholds] if spec.plasticity.rule == "bcm" else [])]
+    plots = [
+        _changes,
+        _rewards,
+        *([] if spec.plasticity.rule in WITHOUT_THRESHOLD else [_thresholds]),
+    ]
     heights = [0.85 * _height(player) + 0.3, ROW * len(plots)]
     with drawing():
         figure = Figure(figsize=(1.15 * WIDTH, sum(heights) + 0.6))
@@ -194,7 +201,7 @@ def _rewards(axes: Axes, _player: Player, trace: Trace) -> None:
 
 
 def _thresholds(axes: Axes, player: Player, trace: Trace) -> None:
-    """BCM's threshold of each node: hidden ones grey, outputs by name."""
+    """The threshold of each node: hidden ones grey, outputs by name."""
     hidden = len(player.network.bias) - player.network.outputs
     axes.plot(trace.thresholds[:, :hidden], color="0.8", linewidth=0.8)
     axes.plot(trace.thresholds[:, hidden:], color="black", linewidth=1)
@@ -207,7 +214,7 @@ def _thresholds(axes: Axes, player: Player, trace: Trace) -> None:
             for node in range(hidden, len(player.network.bias))
         ],
     )
-    axes.set_ylabel("BCM threshold")
+    axes.set_ylabel("Threshold θ")
 
 
 def _name_ends(axes: Axes, x: float, ends: Iterable[tuple[float, str]]) -> None:

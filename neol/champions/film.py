@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+import gymnasium
 import numpy as np
 from PIL import Image
 
@@ -87,7 +88,7 @@ def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
     except Exception as error:  # whatever a drawing library raises where another one is missing
         reason = " ".join(str(error).split())[:120]
         remedy = "choose a task that Gymnasium can draw"
-        if sys.platform == "linux" and "MUJOCO_GL" in os.environ:
+        if "mujoco" in str(gymnasium.spec(task.environment).entry_point):
             remedy = (
                 "MuJoCo needs EGL or OSMesa (on Debian: apt install libegl1 libgl1-mesa-dri, or "
                 "libosmesa6), the one that MUJOCO_GL names"

@@ -35,7 +35,7 @@ class Trace:
     weights: Floats
     """float64[T + 1, E]: before the episode and after each step."""
     thresholds: Floats
-    """float64[T + 1, M]: BCM's, likewise."""
+    """float64[T + 1, M]: BCM's theta, likewise."""
     episode_return: float
     """Sum of the rewards; NaN if the episode failed."""
 

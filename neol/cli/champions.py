@@ -1,0 +1,161 @@
+"""Champions after their runs: replay, film, draw, compare and export them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from neol.cli.application import app, complain, examples
+from neol.errors import UserError
+
+if TYPE_CHECKING:
+    from neol.champions.player import Player
+
+DOES_NOT_AGREE = 3
+"""Exit code of a replay that differs from its record."""
+PIPED_WIDTH = 10_000
+"""Characters; no line is broken for a reader who is no terminal."""
+
+RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]
+Seed = Annotated[
+    int | None, typer.Option(min=0, help="Whose champion; without it that of the first seed.")
+]
+
+
+@app.command(
+    epilog=examples(
+        "neol replay a.parquet",
+        "neol replay a.parquet --seed 3 --episodes 100",
+        "neol replay a.parquet --first 7 --episodes 1 --gif champion.gif",
+    )
+)
+def replay(
+    record: RecordPath,
+    seed: Seed = None,
+    episodes: Annotated[int, typer.Option(min=1, help="How many.")] = 5,
+    first: Annotated[int, typer.Option(min=0, help="Number of the first one, from 0.")] = 0,
+    gif: Annotated[Path | None, typer.Option(help="Film the first one into this file.")] = None,
+    human: Annotated[bool, typer.Option("--human", help="Watch them in a window.")] = False,
+) -> None:
+    """Play a champion's held-out episodes again, and compare with the record; or film one."""
+    from neol.champions.film import film, need_display
+    from neol.champions.player import load_champion
+    from neol.files import write_atomically
+    from neol.rollout.reference import ReferenceEngine
+
+    if gif:
+        _check_folder(gif)
+    player = load_champion(record, seed)
+    _check_episode(record, player, first)
+    if human:
+        need_display()
+    engine = ReferenceEngine(player.spec.task, "human" if human else None)
+    seed, seeds = player.spec.seed, player.held_out_seeds
+    print(f"{record}: champion of seed {seed}, {player.spec.task.environment}")
+    print(f"{'episode':>7}  {'steps':>6}  {'recorded return':>22}  {'replayed':>22}")
+    differing = []
+    for episode in range(first, min(first + episodes, len(seeds))):
+        if gif and episode == first:
+            filmed = film(player, seeds[episode])
+            write_atomically(gif, filmed.gif)
+            trace = filmed.trace
+        else:
+            trace = player.play(seeds[episode], engine=engine)
+        recorded, replayed = player.recorded_returns[episode], trace.episode_return
+        print(f"{episode:>7}  {len(trace):>6}  {recorded!r:>22}  {replayed!r:>22}")
+        if repr(recorded) != repr(replayed):  # which tells every two floats apart, and NaN is NaN
+            differing.append(str(episode))
+    engine.close()
+    if gif:
+        print(f"{gif}: episode {first} filmed")
+    if differing:
+        complain(
+            f"{record}: does not agree in episode {', '.join(differing)} of seed {seed}; "
+            "neol verify RECORD --replay-champions 1 says why"
+        )
+        raise typer.Exit(DOES_NOT_AGREE)
+
+
+@app.command(
+    epilog=examples(
+        "neol show a.parquet --output champion.pdf",
+        "neol show a.parquet --seed 3 --plasticity --episode 7 --output learning.png",
+    )
+)
+def show(
+    record: RecordPath,
+    seed: Seed = None,
+    plasticity: Annotated[
+        bool, typer.Option("--plasticity", help="How its weights change within an episode.")
+    ] = False,
+    episode: Annotated[int, typer.Option(min=0, help="Which held-out one, from 0.")] = 0,
+    output: Annotated[Path, typer.Option(help="A .png, .pdf or .svg.")] = Path("champion.png"),
+) -> None:
+    """Draw a champion's network, or how it learns in an episode."""
+    from neol.analysis.style import picture_kind, write_picture
+    from neol.champions.drawing import network_figure, plasticity_figure
+    from neol.champions.player import load_champion
+
+    picture_kind(output)
+    _check_folder(output)
+    player = load_champion(record, seed)
+    if plasticity:
+        _check_episode(record, player, episode)
+        figure = plasticity_figure(player, player.play(player.held_out_seeds[episode]))
+    else:
+        figure = network_figure(player)
+    write_picture(figure, output)
+    print(f"{output}: champion of seed {player.spec.seed}")
+
+
+@app.command(
+    epilog=examples(
+        "neol compare a.parquet b.parquet",
+        "neol compare results/demo/cartpole/bcm/p050_lr0.25 results/demo/cartpole/neat/p050 \\",
+        "    --output curves.png",
+    )
+)
+def compare(
+    records: Annotated[
+        list[Path], typer.Argument(metavar="RECORD...", help="Records, or folders of one cell's.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option(help="Learning curves: a .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Print records side by side: constants that differ, and what came of it."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from neol.analysis.comparison import contestants, differences, learning_curves, outcomes
+    from neol.analysis.style import picture_kind, write_picture
+
+    if output:
+        picture_kind(output)
+        _check_folder(output)
+    compared = contestants(records)
+    table = Table("", *(each.letter for each in compared), box=None, pad_edge=False)
+    for name, values in (differences(compared) | outcomes(compared)).items():
+        table.add_row(name, *values)
+    for each in compared:
+        print(f"{each.letter}  {each.path}")
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = PIPED_WIDTH
+    console.print(table)
+    print("Means over runs, with their 95% intervals.")
+    if output:
+        write_picture(learning_curves(compared), output)
+        print(f"{output}: learning curves")
+
+
+def _check_folder(output: Path) -> None:
+    """Refuse before the work what could not be written after it."""
+    if not output.parent.is_dir():
+        raise UserError(f"{output}: there is no folder {output.parent}; make it first")
+
+
+def _check_episode(record: Path, player: "Player", episode: int) -> None:
+    count = len(player.recorded_returns)
+    if episode >= count:
+        raise UserError(f"{record}: has no held-out episode {episode}; they are 0 to {count - 1}")
