@@ -60,10 +60,10 @@ def run_seconds(spec: RunSpec, get: Get = shipped, *, to_the_limit: bool = False
 
 
 def walltime_minutes(spec: RunSpec, seeds: int) -> int:
-    """What to ask a cluster for: twice the time of so many runs, and a quarter of an hour; or a day.
+    """What to ask a cluster for: twice the time of so many runs, and a quarter of an hour.
 
-    A core may be slower and episodes longer than the measured ones. Nothing is lost if it was too
-    little: a run goes on from its checkpoint.
+    A core may be slower and episodes longer than the measured ones. Nothing is lost where that was
+    too little: a run goes on from its checkpoint. A day for a task that was never measured.
     """
     seconds = run_seconds(spec)
     return 24 * 60 if seconds is None else 15 + round(2 * seeds * seconds / 60)
