@@ -7,7 +7,6 @@ counters as JSON, and a digest over all of it.
 import hashlib
 import io
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,8 +18,9 @@ from neol.errors import UserError
 from neol.evolution import COLUMNS, Evolution, Generation
 from neol.files import read_bounded, write_atomically
 from neol.neat.check import check_genome
-from neol.neat.genome import CONNECTION, NODE, Genome
+from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.neat.innovations import Innovations
+from neol.neat.population import Population
 from neol.neat.species import Species, SpeciesSet
 from neol.spec import RunSpec
 
@@ -42,7 +42,7 @@ class Cost:
 def snapshot(evolution: Evolution) -> Evolution:
     """The run as it is between two generations; its further steps do not touch the copy.
 
-    Genomes are shared: once evaluated and speciated nobody writes to them.
+    The population is shared: once evaluated and speciated nobody writes to it.
     """
     copy = Evolution.begin(
         evolution.spec, evolution.reproduction.inputs, evolution.reproduction.outputs
@@ -50,7 +50,7 @@ def snapshot(evolution: Evolution) -> Evolution:
     innovations = evolution.reproduction.innovations
     copy.reproduction.next_genome = evolution.reproduction.next_genome
     copy.reproduction.innovations = innovations.next_generation(0)
-    copy.population = list(evolution.population)
+    copy.population = evolution.population
     species_set = evolution.species_set
     copy.species_set = SpeciesSet([replace(s) for s in species_set.species], species_set.next_id)
     copy.history = list(evolution.history)
@@ -150,26 +150,24 @@ def _pack(evolution: Evolution, cost: Cost) -> Arrays:
         "wall_seconds": cost.wall_seconds,
         "cpu_seconds": cost.cpu_seconds,
     }
-    place = {genome.id: index for index, genome in enumerate(evolution.population)}
     genomes = [*evolution.population, *(s.representative for s in species)]
-    nodes = np.concatenate([genome.nodes for genome in genomes])
-    connections = np.concatenate([genome.connections for genome in genomes])
-    integers: dict[str, Sequence[int]] = {
+    pool = Pool.of(genomes)
+    integers: dict[str, npt.ArrayLike] = {
         "genome_id": [genome.id for genome in genomes],
-        "genome_nodes": [len(genome.nodes) for genome in genomes],
-        "genome_connections": [len(genome.connections) for genome in genomes],
+        "genome_nodes": np.diff(pool.node_offset),
+        "genome_connections": np.diff(pool.connection_offset),
         "species_id": [s.id for s in species],
         "species_stagnant": [s.stagnant for s in species],
         "species_members": [len(s.members) for s in species],
-        "members": [place[genome.id] for s in species for genome in s.members],
+        "members": np.concatenate([s.members for s in species]),
     }
     return {
         "meta": np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8),
         "genome_fitness": np.array([genome.fitness for genome in genomes]),
         "species_best_fitness": np.array([s.best_fitness for s in species]),
         **{name: np.array(values, dtype=np.int64) for name, values in integers.items()},
-        **{f"node_{name}": nodes[name] for name in NODE.names or ()},
-        **{f"connection_{name}": connections[name] for name in CONNECTION.names or ()},
+        **{f"node_{name}": pool.nodes[name] for name in NODE.names or ()},
+        **{f"connection_{name}": pool.connections[name] for name in CONNECTION.names or ()},
         **{f"history_{c}": np.array([getattr(g, c) for g in evolution.history]) for c in COLUMNS},
     }
 
@@ -192,7 +190,8 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     ]
     for genome in genomes:
         check_genome(genome, reproduction.inputs, reproduction.outputs)
-    evolution.population, founders = genomes[: spec.population], genomes[spec.population :]
+    evolution.population = Population.of(genomes[: spec.population])
+    founders = genomes[spec.population :]
     if sorted(arrays["members"].tolist()) != list(range(spec.population)):
         raise ValueError("species do not hold each genome once")
     evolution.species_set = SpeciesSet(
@@ -202,7 +201,7 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
                 founder,
                 float(best),
                 int(stagnant),
-                [evolution.population[place] for place in members],
+                members,
             )
             for species_id, founder, best, stagnant, members in zip(
                 arrays["species_id"],

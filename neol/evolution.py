@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 import numpy.typing as npt
 
-from neol.neat.genome import Genome, decode, encode_weights
+from neol.neat.genome import Genome, Pool, decode, encode_weights
+from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
 from neol.neat.species import SpeciesSet, speciate
 from neol.network import Networks
@@ -58,7 +59,7 @@ class Evolution:
 
     spec: RunSpec
     reproduction: Reproduction
-    population: list[Genome] = field(default_factory=list)
+    population: Population = field(default_factory=lambda: Population.of([]))
     species_set: SpeciesSet = field(default_factory=SpeciesSet)
     history: list[Generation] = field(default_factory=list)
     digest: str = ""
@@ -90,18 +91,16 @@ class Evolution:
         """One generation: reproduce, evaluate, speciate."""
         number = self.generation + 1
         self.population = self._next_population(number)
-        networks, gene = self._decode(self.population)
+        networks, gene = self._decode(self.population.pool)
         seeds = episode_seeds(
             self.spec.seed, number, len(self.population), self.spec.evaluation.episodes
         )
         rollouts = engine.evaluate(networks, seeds, self.spec.plasticity)
         worst = min((row.best_fitness for row in self.history), default=0.0)
-        fitness = finite_fitness(rollouts, fallback=worst)
-        for genome, value in zip(self.population, fitness, strict=True):
-            genome.fitness = float(value)
+        self.population.fitness = finite_fitness(rollouts, fallback=worst)
         if self.spec.plasticity.write_back:
             learned = keep_inherited_where_failed(networks, rollouts)
-            encode_weights(self.population, networks, gene, learned)
+            encode_weights(self.population.pool, gene, learned)
         speciate(self.population, self.species_set, self.spec.neat)
         self.digest = _chain(self.digest, networks, rollouts)
         self.history.append(self._statistics(number, networks, rollouts))
@@ -109,10 +108,7 @@ class Evolution:
 
     def champion(self) -> Genome:
         """A copy of the final population's best genome, the oldest of equals (Algorithm 1)."""
-        best = max(self.population, key=lambda genome: (genome.fitness, -genome.id))
-        champion = best.copy(best.id)
-        champion.fitness = best.fitness
-        return champion
+        return self.population[int(np.argmax(self.population.fitness))].copy()
 
     def held_out_returns(self, engine: Engine) -> npt.NDArray[np.float64]:
         """The champion's returns in fresh episodes, plastic as in training: float64[episodes].
@@ -120,25 +116,25 @@ class Evolution:
         Each episode starts from the champion's own weights, so each is a function of its seed.
         """
         seeds = held_out_seeds(self.spec.seed, self.spec.evaluation.held_out_episodes)
-        networks, _ = self._decode([self.champion()] * seeds.size)
+        networks, _ = self._decode(Pool.of([self.champion()] * seeds.size))
         returns: npt.NDArray[np.float64] = engine.evaluate(
             networks, seeds.reshape(-1, 1), self.spec.plasticity
         ).returns[:, 0]
         return returns
 
-    def _next_population(self, number: int) -> list[Genome]:
+    def _next_population(self, number: int) -> Population:
         seed, size = self.spec.seed, self.spec.population
         if number == 1:
             return self.reproduction.initial_population(size, generator(seed, Stream.INITIAL))
         random = generator(seed, Stream.REPRODUCTION, number)
-        return self.reproduction.reproduce(self.species_set, size, random)
+        return self.reproduction.reproduce(self.population, self.species_set, random)
 
-    def _decode(self, genomes: list[Genome]) -> tuple[Networks, npt.NDArray[np.int64]]:
+    def _decode(self, pool: Pool) -> tuple[Networks, npt.NDArray[np.int64]]:
         inputs, outputs = self.reproduction.inputs, self.reproduction.outputs
-        return decode(genomes, inputs, outputs, self.spec.network)
+        return decode(pool, inputs, outputs, self.spec.network)
 
     def _statistics(self, number: int, networks: Networks, rollouts: Rollouts) -> Generation:
-        fitness = np.array([genome.fitness for genome in self.population])
+        fitness = self.population.fitness
         best = int(np.argmax(fitness))
         nodes = np.diff(networks.node_offset)
         connections = np.diff(networks.edge_bounds)

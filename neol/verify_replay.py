@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from neol.evolution import COLUMNS, Evolution
+from neol.neat.population import Population
 from neol.provenance import Provenance, provenance
 from neol.records import Champion, HeldOut, Record, SeedInfo, read_record
 from neol.rollout import make_engine
@@ -90,7 +91,7 @@ def replay_champion(run: Run) -> Replay:
     record, info = _read(run)
     spec = record.spec_of(info.seed)
     evolution = Evolution.begin(spec, *network_size(spec.task))
-    evolution.population = [info.champion.genome()]
+    evolution.population = Population.of([info.champion.genome()])
     with contextlib.closing(make_engine(spec.task)) as engine:
         again = HeldOut.of(evolution.held_out_returns(engine))
     differences = _compare(None, "held_out.returns", info.held_out.returns, again.returns)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from neol.champions.player import Player
-from neol.neat.genome import decode
+from neol.neat.genome import Pool, decode
 from neol.network import Networks
 
 Edge = tuple[int, int]
@@ -31,7 +31,8 @@ class Graph:
 def graph(player: Player) -> Graph:
     """The graph of a champion's network."""
     network, genes = player.network, player.genome.connections
-    _, gene = decode([player.genome], network.inputs, network.outputs, player.spec.network)
+    pool = Pool.of([player.genome])
+    _, gene = decode(pool, network.inputs, network.outputs, player.spec.network)
     enabled = edges(network)
     first_output = network.inputs + len(network.bias) - network.outputs
     node_of_id = {node: node for node in range(network.inputs)}

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.errors import UserError
-from neol.neat.genome import Genome, decode
+from neol.neat.genome import Genome, Pool, decode
 from neol.network import Networks
 from neol.records import Record, SeedInfo, read_record
 from neol.rollout import make_engine
@@ -92,7 +92,8 @@ class Player:
         """
         column = np.asarray(seeds, dtype=np.uint64).reshape(-1, 1)
         inputs, outputs = self.network.inputs, self.network.outputs
-        networks, _ = decode([self.genome] * len(column), inputs, outputs, self.spec.network)
+        pool = Pool.of([self.genome] * len(column))
+        networks, _ = decode(pool, inputs, outputs, self.spec.network)
         engine = make_engine(self.spec.task)
         returns: Floats = engine.evaluate(networks, column, self.spec.plasticity).returns[:, 0]
         engine.close()
@@ -117,7 +118,7 @@ def load_champion(record: Path | str, seed: int | None = None) -> Player:
 def player(record: Record, info: SeedInfo) -> Player:
     """The champion of one run of a record."""
     spec, genome = record.spec_of(info.seed), info.champion.genome()
-    network, _ = decode([genome], info.inputs, info.outputs, spec.network)
+    network, _ = decode(Pool.of([genome]), info.inputs, info.outputs, spec.network)
     returns = [math.nan if value is None else value for value in info.held_out.returns]
     return Player(spec, genome, network, tuple(returns))
 

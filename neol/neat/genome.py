@@ -6,7 +6,7 @@ its output and hidden nodes sorted by id, and its connections sorted by innovati
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +30,7 @@ CONNECTION = np.dtype(
 
 @dataclass(slots=True)
 class Genome:
-    """One individual. Its arrays are its own: nobody else writes to them."""
+    """One individual. In a population its arrays are views of the population's pool."""
 
     id: int
     nodes: npt.NDArray[np.void]
@@ -40,9 +40,9 @@ class Genome:
     fitness: float = field(default=np.nan)
     """Mean return of its last evaluation; NaN before."""
 
-    def copy(self, id: int) -> "Genome":
-        """The same genes under another id, not yet evaluated."""
-        return Genome(id, self.nodes.copy(), self.connections.copy())
+    def copy(self) -> "Genome":
+        """The same genome, its arrays its own."""
+        return Genome(self.id, self.nodes.copy(), self.connections.copy(), self.fitness)
 
 
 def initial_genome(
@@ -68,53 +68,55 @@ def initial_genome(
     return Genome(id, nodes, connections)
 
 
-def join(
-    genes: Sequence[npt.NDArray[np.void]],
-) -> tuple[npt.NDArray[np.void], npt.NDArray[np.int64]]:
-    """Many genomes' genes end to end, and where each genome's begin: int64[P+1].
+class Pool(NamedTuple):
+    """The genes of P genomes, end to end."""
 
-    As bytes: np.concatenate would take ten times as long to find a common type of all records.
-    """
-    offset = np.zeros(len(genes) + 1, dtype=np.int64)
-    np.cumsum([len(part) for part in genes], out=offset[1:])
-    return np.concatenate([part.view(np.uint8) for part in genes]).view(genes[0].dtype), offset
+    nodes: npt.NDArray[np.void]
+    """NODE[M]."""
+    node_offset: npt.NDArray[np.int64]
+    """int64[P + 1]: genome i has the nodes node_offset[i] to node_offset[i + 1]."""
+    connections: npt.NDArray[np.void]
+    """CONNECTION[C]."""
+    connection_offset: npt.NDArray[np.int64]
+    """int64[P + 1]: and the connections connection_offset[i] to connection_offset[i + 1]."""
 
-
-def split(genes: npt.NDArray[np.void], offset: npt.NDArray[np.int64]) -> list[npt.NDArray[np.void]]:
-    """Each genome's own part of genes that were joined."""
-    bounds = offset.tolist()
-    return [genes[begin:end] for begin, end in pairwise(bounds)]
+    @classmethod
+    def of(cls, genomes: Sequence[Genome]) -> "Pool":
+        """Copies of these genomes' genes."""
+        nodes = [np.empty(0, dtype=NODE), *(genome.nodes for genome in genomes)]
+        connections = [np.empty(0, dtype=CONNECTION), *(genome.connections for genome in genomes)]
+        return cls(
+            np.concatenate(nodes),
+            np.cumsum([len(part) for part in nodes]),
+            np.concatenate(connections),
+            np.cumsum([len(part) for part in connections]),
+        )
 
 
 def decode(
-    genomes: Sequence[Genome], inputs: int, outputs: int, network: Network
+    pool: Pool, inputs: int, outputs: int, network: Network
 ) -> tuple[Networks, npt.NDArray[np.int64]]:
-    """The networks of a population, and where in each genome their weights come from.
+    """The networks of a pool's genomes, and where in the pool their weights come from.
 
-    The second array, int64[E], gives for each connection of the batch its place among the
-    genome's own connections: `encode_weights` writes learned weights back along it.
-    Connections of a node are ordered by innovation number; disabled ones are left out.
+    The second array, int64[E], gives for each connection of the networks its place among the
+    pool's: `encode_weights` writes learned weights back along it. Connections of a node are
+    ordered by innovation number; disabled ones are left out.
     """
-    nodes, node_offset = join([genome.nodes for genome in genomes])
-    connections, connection_offset = join([genome.connections for genome in genomes])
-    enabled = int(np.count_nonzero(connections["enabled"]))
+    enabled = int(np.count_nonzero(pool.connections["enabled"]))
     networks = Networks(
         inputs=inputs,
         outputs=outputs,
         activation=ACTIVATIONS[network.hidden_activation],
         sum_limit=network.sum_limit,
-        node_offset=node_offset,
-        bias=np.empty(len(nodes)),
-        edge_offset=np.zeros(len(nodes) + 1, dtype=np.int64),
+        node_offset=pool.node_offset,
+        bias=np.empty(len(pool.nodes)),
+        edge_offset=np.zeros(len(pool.nodes) + 1, dtype=np.int64),
         source=np.empty(enabled, dtype=np.int64),
         weight=np.empty(enabled),
     )
     gene = np.empty(enabled, dtype=np.int64)
     _decode(
-        nodes,
-        node_offset,
-        connections,
-        connection_offset,
+        pool,
         inputs,
         outputs,
         networks.bias,
@@ -127,35 +129,15 @@ def decode(
 
 
 def encode_weights(
-    genomes: Sequence[Genome],
-    networks: Networks,
-    gene: npt.NDArray[np.int64],
-    weight: npt.NDArray[np.float64],
+    pool: Pool, gene: npt.NDArray[np.int64], weight: npt.NDArray[np.float64]
 ) -> None:
-    """Write learned weights back to the genomes they came from (Lamarckian, Section 4.1)."""
-    bounds = networks.edge_bounds.tolist()
-    for genome, begin, end in zip(genomes, bounds[:-1], bounds[1:], strict=True):
-        _encode_genome(genome.connections, begin, end, gene, weight)
-
-
-@kernel
-def _encode_genome(
-    connections: npt.NDArray[np.void],
-    begin: int,
-    end: int,
-    gene: npt.NDArray[np.int64],
-    weight: npt.NDArray[np.float64],
-) -> None:
-    for edge in range(begin, end):
-        connections[gene[edge]].weight = weight[edge]
+    """Write learned weights back to the genes they came from (Lamarckian, Section 4.1)."""
+    pool.connections["weight"][gene] = weight
 
 
 @kernel
 def _decode(
-    nodes: npt.NDArray[np.void],
-    node_offset: npt.NDArray[np.int64],
-    connections: npt.NDArray[np.void],
-    connection_offset: npt.NDArray[np.int64],
+    pool: Pool,
     inputs: int,
     outputs: int,
     bias: npt.NDArray[np.float64],
@@ -165,16 +147,19 @@ def _decode(
     gene: npt.NDArray[np.int64],
 ) -> None:
     """Write each genome's network into the batch's arrays."""
-    index_of = np.empty(nodes["id"].max() + 1, dtype=np.int64)
+    index_of = np.empty(pool.nodes["id"].max() + 1, dtype=np.int64)
     edge = 0
-    for genome in range(len(node_offset) - 1):
+    for genome in range(len(pool.node_offset) - 1):
+        first_node, last_node = pool.node_offset[genome], pool.node_offset[genome + 1]
+        first_gene, last_gene = pool.connection_offset[genome], pool.connection_offset[genome + 1]
         edge = _decode_genome(
-            nodes[node_offset[genome] : node_offset[genome + 1]],
-            connections[connection_offset[genome] : connection_offset[genome + 1]],
+            pool.nodes[first_node:last_node],
+            pool.connections[first_gene:last_gene],
             inputs,
             outputs,
             index_of,
-            node_offset[genome],
+            first_node,
+            first_gene,
             edge,
             bias,
             edge_offset,
@@ -192,6 +177,7 @@ def _decode_genome(
     outputs: int,
     index_of: npt.NDArray[np.int64],
     first_node: int,
+    first_gene: int,
     first_edge: int,
     bias: npt.NDArray[np.float64],
     edge_offset: npt.NDArray[np.int64],
@@ -262,5 +248,5 @@ def _decode_genome(
             feeds = from_node[c]
             source[place] = connections[c].source if feeds < 0 else inputs + position[feeds]
             weight[place] = connections[c].weight
-            gene[place] = c
+            gene[place] = first_gene + c
     return edge

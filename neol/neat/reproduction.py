@@ -1,17 +1,17 @@
 """Reproduction: offspring counts, elites, parents (paper's Algorithm 4), and generation 0."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from neol.neat.genome import Genome, initial_genome, join, split
+from neol.neat.genome import initial_genome
 from neol.neat.innovations import Innovations
+from neol.neat.population import Population
 from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant
 from neol.neat.values import fresh_values
-from neol.neat.variation import Rates, breed_all
-from neol.pcg64 import State, new_state
+from neol.neat.variation import PARENTS, Rates, breed_all
+from neol.pcg64 import new_state
 from neol.spec import Neat
 
 
@@ -27,71 +27,89 @@ class Reproduction:
         self.innovations = Innovations.begin(inputs * outputs, inputs + outputs)
         self.next_genome = 0
 
-    def initial_population(self, size: int, random: np.random.Generator) -> list[Genome]:
+    def initial_population(self, size: int, random: np.random.Generator) -> Population:
         """Generation 0: minimal topologies with random weights (INITIALISEPOPULATION)."""
         rates, state = self.rates, new_state(random)
-        return [
-            initial_genome(
-                self._new_id(),
-                self.inputs,
-                self.outputs,
-                fresh_values(self.inputs * self.outputs, rates.weight, state),
-                fresh_values(self.outputs, rates.bias, state),
-            )
-            for _ in range(size)
-        ]
+        first = self._new_ids(size)
+        return Population.of(
+            [
+                initial_genome(
+                    id,
+                    self.inputs,
+                    self.outputs,
+                    fresh_values(self.inputs * self.outputs, rates.weight, state),
+                    fresh_values(self.outputs, rates.bias, state),
+                )
+                for id in range(first, first + size)
+            ]
+        )
 
     def reproduce(
-        self, species_set: SpeciesSet, size: int, random: np.random.Generator
-    ) -> list[Genome]:
-        """The next population, of exactly `size` genomes, from speciated and evaluated parents."""
-        self.innovations = self.innovations.next_generation(size)
-        remove_stagnant(species_set, self.neat)
-        spawns = spawn_counts(adjusted_fitness(species_set, self.neat), size, self.neat)
-        state = new_state(random)
-        return [
-            child
-            for species, spawn in zip(species_set.species, spawns, strict=True)
-            for child in self._offspring(species.members, int(spawn), random, state)
-        ]
+        self, population: Population, species_set: SpeciesSet, random: np.random.Generator
+    ) -> Population:
+        """The next population, of the same size, from a speciated and evaluated one.
 
-    def _offspring(
-        self, members: list[Genome], spawn: int, random: np.random.Generator, state: State
-    ) -> list[Genome]:
-        """One species' part of the next population (Algorithm 4, lines 7-28).
-
-        `random` draws the parents, `state` is the stream of their children's variation.
+        `random` draws the parents; it also seeds the stream of their children's variation.
         """
-        neat = self.neat
-        elites = [elite.copy(self._new_id()) for elite in members[: min(neat.elitism, spawn)]]
-        parents = fittest_first(members[: math.ceil(neat.survival_threshold * len(members))])
-        pairs = random.integers(len(parents), size=(spawn - len(elites), 2))
-        alone = random.random(len(pairs)) >= neat.crossover_rate
-        pairs[alone, 1] = pairs[alone, 0]
-        nodes, connections = breed_all(
-            *join([parent.nodes for parent in parents]),
-            *join([parent.connections for parent in parents]),
-            np.sort(pairs),
+        size = len(population)
+        self.innovations = self.innovations.next_generation(size)
+        remove_stagnant(species_set, population.fitness, self.neat)
+        adjusted = adjusted_fitness(species_set, population.fitness, self.neat)
+        spawns = spawn_counts(adjusted, size, self.neat).tolist()
+        state = new_state(random)
+        parents = [
+            self._parents(population, species.members, spawn, random)
+            for species, spawn in zip(species_set.species, spawns, strict=True)
+        ]
+        pool = breed_all(
+            population.pool,
+            np.concatenate(parents),
             self.inputs,
             self.outputs,
             self.rates,
             self.innovations,
             state,
         )
-        children = zip(split(*nodes), split(*connections), strict=True)
-        return elites + [Genome(self._new_id(), *genes) for genes in children]
+        return Population(self._new_ids(size), pool, np.full(size, np.nan))
 
-    def _new_id(self) -> int:
-        self.next_genome += 1
-        return self.next_genome - 1
+    def _parents(
+        self,
+        population: Population,
+        members: npt.NDArray[np.int64],
+        spawn: int,
+        random: np.random.Generator,
+    ) -> npt.NDArray[np.void]:
+        """Whose children a species' part of the next population is (Algorithm 4, lines 7-16).
+
+        PARENTS[spawn], its elites first.
+        """
+        neat = self.neat
+        elites = members[: min(neat.elitism, spawn)]
+        survivors = members[: math.ceil(neat.survival_threshold * len(members))]
+        candidates = fittest_first(population, survivors)
+        pairs = random.integers(len(candidates), size=(spawn - len(elites), 2))
+        alone = random.random(len(pairs)) >= neat.crossover_rate
+        pairs[alone, 1] = pairs[alone, 0]
+        parents = np.zeros(spawn, dtype=PARENTS)
+        parents["elite"][: len(elites)] = True
+        parents["fitter"] = np.concatenate([elites, candidates[pairs.min(axis=1)]])
+        parents["other"] = np.concatenate([elites, candidates[pairs.max(axis=1)]])
+        return parents
+
+    def _new_ids(self, count: int) -> int:
+        """The first of so many ids in a row that nothing has."""
+        self.next_genome += count
+        return self.next_genome - count
 
 
-def fittest_first(parents: Sequence[Genome]) -> list[Genome]:
-    """Parents in the order in which they give their children the structure.
+def fittest_first(population: Population, places: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Genomes in the order in which they give their children the structure.
 
     The fitter one does; of equals the smaller, then the older one.
     """
-    return sorted(parents, key=lambda genome: (-genome.fitness, len(genome.connections), genome.id))
+    connections = np.diff(population.pool.connection_offset)
+    keys = places, connections[places], -population.fitness[places]  # the last one counts most
+    return places[np.lexsort(keys)]
 
 
 def spawn_counts(adjusted: npt.NDArray[np.float64], size: int, neat: Neat) -> npt.NDArray[np.int64]:

@@ -1,14 +1,17 @@
 """Species: compatibility distance, speciation, stagnation and fitness sharing (Algorithm 3)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
-from neol.neat.genome import Genome, join
+from neol.neat.genome import Genome, Pool
+from neol.neat.population import Population
 from neol.spec import Neat
+
+Fitness = npt.NDArray[np.float64]
+"""float64[P], of a population's genomes, or float64[S], of its species."""
 
 
 @dataclass(slots=True)
@@ -22,8 +25,8 @@ class Species:
     """Best fitness of a member so far."""
     stagnant: int = 0
     """Generations since `best_fitness` last rose."""
-    members: list[Genome] = field(default_factory=list)
-    """This generation's members, best first."""
+    members: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    """Places of this generation's members in the population, best first."""
 
 
 @dataclass(slots=True)
@@ -40,19 +43,14 @@ def distance(one: Genome, other: Genome, neat: Neat) -> float:
     E + D counts the connections that only one has; the mean runs over those that both have. N is
     their number (at least 1), or with `larger_genome` the larger genome's number of connections.
     """
-    return float(distances(one.connections, np.array([0, len(one.connections)]), other, neat)[0])
+    return float(distances(Pool.of([one]), other, neat)[0])
 
 
-def distances(
-    connections: npt.NDArray[np.void],
-    offset: npt.NDArray[np.int64],
-    representative: Genome,
-    neat: Neat,
-) -> npt.NDArray[np.float64]:
-    """Distance of each genome of a joined population to one representative, float64[P]."""
+def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.float64]:
+    """Distance of each genome of a pool to a representative, float64[P]."""
     return _distances(
-        connections,
-        offset,
+        pool.connections,
+        pool.connection_offset,
         representative.connections,
         neat.disjoint_coefficient,
         neat.weight_coefficient,
@@ -60,21 +58,20 @@ def distances(
     )
 
 
-def speciate(population: Sequence[Genome], species_set: SpeciesSet, neat: Neat) -> None:
+def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
     """Assign each genome to the nearest species within the threshold (Algorithm 3, lines 1-8).
 
     Species keep their representatives from generation to generation; a genome far from all of
     them founds a new species. Of equally near species the oldest wins. Members are sorted by
     fitness, then age; empty species die out.
     """
-    connections, offset = join([genome.connections for genome in population])
     nearest = np.full(len(population), np.inf)
     home = np.zeros(len(population), dtype=np.int64)
 
     def offer(index: int, first: int) -> None:
         """Let the genomes from `first` on move to a species that is nearer than their own."""
         representative = species_set.species[index].representative
-        offered = distances(connections, offset, representative, neat)
+        offered = distances(population.pool, representative, neat)
         nearer = offered < nearest
         nearer[:first] = False
         nearest[nearer] = offered[nearer]
@@ -82,31 +79,29 @@ def speciate(population: Sequence[Genome], species_set: SpeciesSet, neat: Neat) 
 
     for index in range(len(species_set.species)):
         offer(index, first=0)
-    for place, genome in enumerate(population):
+    for place in range(len(population)):
         if nearest[place] > neat.compatibility_threshold:
-            founder = genome.copy(genome.id)
+            founder = population[place].copy()
             species_set.species.append(Species(species_set.next_id, founder))
             species_set.next_id += 1
             offer(len(species_set.species) - 1, first=place)
 
+    best_first = np.argsort(-population.fitness, kind="stable")
+    for index, species in enumerate(species_set.species):
+        species.members = best_first[home[best_first] == index]
+    species_set.species = [species for species in species_set.species if len(species.members)]
     for species in species_set.species:
-        species.members = []
-    for index, genome in zip(home.tolist(), population, strict=True):
-        species_set.species[index].members.append(genome)
-    species_set.species = [species for species in species_set.species if species.members]
-    for species in species_set.species:
-        species.members.sort(key=lambda genome: (-genome.fitness, genome.id))
-        best = species.members[0].fitness
+        best = float(population.fitness[species.members[0]])
         species.stagnant = 0 if best > species.best_fitness else species.stagnant + 1
         species.best_fitness = max(best, species.best_fitness)
 
 
-def remove_stagnant(species_set: SpeciesSet, neat: Neat) -> None:
+def remove_stagnant(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> None:
     """Remove species stagnant for more than G_stag generations (Algorithm 3, lines 7-8).
 
     The `species_elitism` best species, and at least the best one, are spared.
     """
-    ranked = sorted(species_set.species, key=lambda s: (-s.members[0].fitness, s.id))
+    ranked = sorted(species_set.species, key=lambda s: (-fitness[s.members[0]], s.id))
     spared = {species.id for species in ranked[: max(neat.species_elitism, 1)]}
     species_set.species = [
         species
@@ -115,16 +110,16 @@ def remove_stagnant(species_set: SpeciesSet, neat: Neat) -> None:
     ]
 
 
-def adjusted_fitness(species_set: SpeciesSet, neat: Neat) -> npt.NDArray[np.float64]:
+def adjusted_fitness(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> Fitness:
     """Explicit fitness sharing: F_adj of each species, float64[S] (Algorithm 3, line 9).
 
     Fitness is shifted by its minimum, so that shares are never negative. With `stanley` a
     species' members share their summed fitness, F_adj = sum(f / |s|); `literal` takes the
     paper's formula, the mean of f / |s|, which divides by the size twice.
     """
-    fitness = [np.array([g.fitness for g in s.members]) for s in species_set.species]
-    minimum = min(values.min() for values in fitness)
-    shared = [(values - minimum) / len(values) for values in fitness]
+    of_species = [fitness[species.members] for species in species_set.species]
+    minimum = min(values.min() for values in of_species)
+    shared = [(values - minimum) / len(values) for values in of_species]
     total = np.sum if neat.sharing == "stanley" else np.mean
     return np.array([total(values) for values in shared])
 

@@ -10,12 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
+from neol.neat.genome import Pool
 from neol.neat.innovations import Innovations, connection_number, split_node
 from neol.neat.values import Values, fresh_values, mutate_values
 from neol.pcg64 import State, below, next_double
 from neol.spec import Neat
 
 Genes = npt.NDArray[np.void]
+
+PARENTS = np.dtype([("fitter", np.int64), ("other", np.int64), ("elite", np.bool_)], align=True)
+"""Of one child, by their places. An elite is no child but its parent's copy."""
 
 
 class Rates(NamedTuple):
@@ -57,49 +61,59 @@ class Rates(NamedTuple):
 
 @kernel
 def breed_all(
-    nodes: Genes,
-    node_offset: npt.NDArray[np.int64],
-    connections: Genes,
-    connection_offset: npt.NDArray[np.int64],
-    pairs: npt.NDArray[np.int64],
+    pool: Pool,
+    parents: npt.NDArray[np.void],
     inputs: int,
     outputs: int,
     rates: Rates,
     innovations: Innovations,
     random: State,
-) -> tuple[tuple[Genes, npt.NDArray[np.int64]], tuple[Genes, npt.NDArray[np.int64]]]:
-    """One child for each pair of parents, int64[n, 2], the fitter parent's place first.
+) -> Pool:
+    """The children of PARENTS[n], whose places are those in a pool: a pool of n genomes."""
+    fitter, count = parents["fitter"], len(parents)
+    room = (pool.node_offset[fitter + 1] - pool.node_offset[fitter] + 1).sum()
+    nodes, node_offset = np.empty(room, dtype=pool.nodes.dtype), np.zeros(count + 1, dtype=np.int64)
+    room = (pool.connection_offset[fitter + 1] - pool.connection_offset[fitter] + 3).sum()
+    connections = np.empty(room, dtype=pool.connections.dtype)
+    connection_offset = np.zeros(count + 1, dtype=np.int64)
+    for child in range(count):
+        one_nodes, one_connections = genome_in(pool, parents[child].fitter)
+        if parents[child].elite:
+            child_nodes, child_connections = one_nodes, one_connections
+        else:
+            other_nodes, other_connections = genome_in(pool, parents[child].other)
+            child_nodes, child_connections = breed(
+                one_nodes,
+                one_connections,
+                other_nodes,
+                other_connections,
+                parents[child].fitter != parents[child].other,
+                inputs,
+                outputs,
+                rates,
+                innovations,
+                random,
+            )
+        node_offset[child + 1] = node_offset[child] + len(child_nodes)
+        nodes[node_offset[child] : node_offset[child + 1]] = child_nodes
+        connection_offset[child + 1] = connection_offset[child] + len(child_connections)
+        connections[connection_offset[child] : connection_offset[child + 1]] = child_connections
+    return Pool(
+        nodes[: node_offset[count]],
+        node_offset,
+        connections[: connection_offset[count]],
+        connection_offset,
+    )
 
-    Returns nodes and connections of the children. As those of the parents they are joined end to
-    end, genome i's from offset[i] to offset[i + 1].
-    """
-    fitter = pairs[:, 0]
-    room = (node_offset[fitter + 1] - node_offset[fitter] + 1).sum()
-    child_nodes = np.empty(room, dtype=nodes.dtype)
-    room = (connection_offset[fitter + 1] - connection_offset[fitter] + 3).sum()
-    child_connections = np.empty(room, dtype=connections.dtype)
-    child_node_offset = np.zeros(len(pairs) + 1, dtype=np.int64)
-    child_connection_offset = np.zeros(len(pairs) + 1, dtype=np.int64)
-    for child in range(len(pairs)):
-        one, other = pairs[child]
-        new_nodes, new_connections = breed(
-            nodes[node_offset[one] : node_offset[one + 1]],
-            connections[connection_offset[one] : connection_offset[one + 1]],
-            nodes[node_offset[other] : node_offset[other + 1]],
-            connections[connection_offset[other] : connection_offset[other + 1]],
-            one != other,
-            inputs,
-            outputs,
-            rates,
-            innovations,
-            random,
-        )
-        node, connection = child_node_offset[child], child_connection_offset[child]
-        child_node_offset[child + 1] = node + len(new_nodes)
-        child_connection_offset[child + 1] = connection + len(new_connections)
-        child_nodes[node : child_node_offset[child + 1]] = new_nodes
-        child_connections[connection : child_connection_offset[child + 1]] = new_connections
-    return (child_nodes, child_node_offset), (child_connections, child_connection_offset)
+
+@kernel
+def genome_in(pool: Pool, place: int) -> tuple[Genes, Genes]:
+    """Nodes and connections of one of a pool's genomes."""
+    node, connection = pool.node_offset, pool.connection_offset
+    return (
+        pool.nodes[node[place] : node[place + 1]],
+        pool.connections[connection[place] : connection[place + 1]],
+    )
 
 
 @kernel

@@ -3,7 +3,8 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from neol.neat.genome import CONNECTION, NODE, Genome
+from neol.neat.genome import CONNECTION, NODE, Genome, Pool
+from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction, fittest_first
 from neol.neat.variation import breed, crossover
 from neol.pcg64 import State, new_state
@@ -35,10 +36,17 @@ def stream(seed: int = 0) -> State:
     return new_state(np.random.default_rng(seed))
 
 
+def in_order(genomes: list[Genome]) -> list[Genome]:
+    """Genomes by `fittest_first`, which knows their age by their place."""
+    genomes = sorted(genomes, key=lambda genome: genome.id)
+    population = Population(0, Pool.of(genomes), np.array([genome.fitness for genome in genomes]))
+    return [genomes[place] for place in fittest_first(population, np.arange(len(genomes)))]
+
+
 def cross(one: Genome, other: Genome, neat: Neat, seed: int = 0) -> Genome:
     """A child of two parents by crossover alone."""
-    fitter, weaker = fittest_first([one, other])
-    child = fitter.copy(9)
+    fitter, weaker = in_order([one, other])
+    child = fitter.copy()
     crossover(
         child.nodes,
         child.connections,
@@ -54,7 +62,7 @@ def grow(seed: int, neat: Neat, rounds: int) -> tuple[list[Genome], Reproduction
     """Six genomes after rounds of crossover and mutation with random fitness."""
     random = np.random.default_rng(seed)
     reproduction = Reproduction(INPUTS, OUTPUTS, neat)
-    population = reproduction.initial_population(6, random)
+    population = list(reproduction.initial_population(6, random))
     state = new_state(random)
     for _ in range(rounds):
         reproduction.innovations = reproduction.innovations.next_generation(len(population))
@@ -63,7 +71,7 @@ def grow(seed: int, neat: Neat, rounds: int) -> tuple[list[Genome], Reproduction
         children = []
         for parent in population:
             mate = population[random.integers(len(population))]
-            fitter, other = fittest_first([parent, mate])
+            fitter, other = in_order([parent, mate])
             nodes, connections = breed(
                 fitter.nodes,
                 fitter.connections,

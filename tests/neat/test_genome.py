@@ -5,7 +5,8 @@ import math
 import numpy as np
 from hypothesis import given, settings
 
-from neol.neat.genome import CONNECTION, Genome, decode, encode_weights, join, split
+from neol.neat.genome import Genome, Pool, decode, encode_weights
+from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
 from neol.spec import load_configuration
 from tests.neat.genomes import INPUTS, OUTPUTS, genome_of, populations
@@ -36,7 +37,7 @@ def plain_outputs(genome: Genome) -> list[float]:
 def test_a_decoded_network_computes_what_the_genes_say(
     grown: tuple[list[Genome], Reproduction],
 ) -> None:
-    networks, _ = decode(grown[0], INPUTS, OUTPUTS, NETWORK)
+    networks, _ = decode(Pool.of(grown[0]), INPUTS, OUTPUTS, NETWORK)
     assert len(networks) == len(grown[0])
     for index, genome in enumerate(grown[0]):
         assert outputs_of(networks, index, OBSERVATION).tolist() == plain_outputs(genome)
@@ -47,14 +48,12 @@ def test_a_decoded_network_computes_what_the_genes_say(
 def test_weights_go_back_to_the_genes_they_came_from(
     grown: tuple[list[Genome], Reproduction],
 ) -> None:
-    population, _ = grown
-    networks, gene = decode(population, INPUTS, OUTPUTS, NETWORK)
-    before = [genome.connections.copy() for genome in population]
-    encode_weights(population, networks, gene, networks.weight + 1.0)
-    for genome, old in zip(population, before, strict=True):
-        enabled = old["enabled"]
-        assert (genome.connections["weight"][enabled] == old["weight"][enabled] + 1.0).all()
-        assert (genome.connections["weight"][~enabled] == old["weight"][~enabled]).all()
+    population = Population.of(grown[0])
+    networks, gene = decode(population.pool, INPUTS, OUTPUTS, NETWORK)
+    encode_weights(population.pool, gene, networks.weight + 1.0)
+    for genome, before in zip(population, grown[0], strict=True):
+        old, enabled = before.connections["weight"], before.connections["enabled"]
+        assert (genome.connections["weight"] == np.where(enabled, old + 1.0, old)).all()
 
 
 def test_a_network_by_hand() -> None:
@@ -69,19 +68,9 @@ def test_a_network_by_hand() -> None:
         ],
         hidden=[5, 6],
     )
-    networks, gene = decode([genome], INPUTS, OUTPUTS, NETWORK)
+    networks, gene = decode(Pool.of([genome]), INPUTS, OUTPUTS, NETWORK)
     assert networks.node_offset.tolist() == [0, 4]
     assert networks.edge_offset.tolist() == [0, 1, 2, 3, 4]  # nodes 6, 5, 3, 4
     assert networks.source.tolist() == [0, 3, 4, 2]
     assert networks.weight.tolist() == [0.1, 0.3, 0.4, 0.5]
     assert gene.tolist() == [0, 2, 3, 4]
-
-
-@given(populations)
-@settings(max_examples=20, deadline=None)
-def test_genes_are_joined_and_split(grown: tuple[list[Genome], Reproduction]) -> None:
-    population, _ = grown
-    parts = split(*join([genome.connections for genome in population]))
-    for genome, part in zip(population, parts, strict=True):
-        assert part.dtype == CONNECTION
-        assert part.tolist() == genome.connections.tolist()

@@ -50,10 +50,10 @@ def evolve(generations: int, size: int = 30, **changes: object) -> tuple[Species
     reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
     population = reproduction.initial_population(size, np.random.default_rng(0))
     for generation in range(generations):
-        for genome in population:
-            genome.fitness = float(genome.connections["weight"].sum())
+        population.fitness = np.array([g.connections["weight"].sum() for g in population])
         speciate(population, species_set, neat)
-        population = reproduction.reproduce(species_set, size, np.random.default_rng(generation))
+        random = np.random.default_rng(generation)
+        population = reproduction.reproduce(population, species_set, random)
         assert len(population) == size
         for genome in population:
             assert_sound(genome)
@@ -71,13 +71,13 @@ def test_elites_are_copied_unchanged() -> None:
     neat = neat_constants(elitism=2)
     reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
     population = reproduction.initial_population(20, np.random.default_rng(0))
-    for genome in population:
-        genome.fitness = float(genome.id)
+    population.fitness = np.arange(20.0)
     speciate(population, species_set, neat)
     best = [s.members[:2] for s in species_set.species]
-    children = reproduction.reproduce(species_set, 20, np.random.default_rng(1))
+    random = np.random.default_rng(1)
+    children = reproduction.reproduce(population, species_set, random)
     for elites in best:
-        for elite in elites:
+        for elite in [population[place] for place in elites]:
             assert any(
                 child.connections.tolist() == elite.connections.tolist()
                 and child.nodes.tolist() == elite.nodes.tolist()
@@ -96,11 +96,12 @@ def test_only_survivors_become_parents() -> None:
     )
     reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
     population = reproduction.initial_population(20, np.random.default_rng(0))
-    for genome in population:
-        genome.fitness = float(genome.id)
+    population.fitness = np.arange(20.0)
     speciate(population, species_set, neat)
-    children = reproduction.reproduce(species_set, 20, np.random.default_rng(1))
-    allowed = {w for genome in population[-4:] for w in genome.connections["weight"]}
+    random = np.random.default_rng(1)
+    children = reproduction.reproduce(population, species_set, random)
+    fittest = [population[place] for place in range(16, 20)]
+    allowed = {w for genome in fittest for w in genome.connections["weight"]}
     assert {w for child in children for w in child.connections["weight"]} <= allowed
 
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 
 from neol.neat.genome import Genome
+from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
 from neol.neat.species import (
     Species,
@@ -47,82 +48,93 @@ def test_distance_is_symmetric_and_zero_to_itself(
     assert distance(one, one, NEAT) == 0.0
 
 
-def weighted(weight: float, id: int, fitness: float = 0.0) -> Genome:
-    return genome_of([(0, 0, 3, weight, True)], id=id, fitness=fitness)
+def weighted(weights: list[float], fitness: list[float] | None = None) -> Population:
+    """Genomes of a single connection with these weights."""
+    genomes = [genome_of([(0, 0, 3, weight, True)], id=i) for i, weight in enumerate(weights)]
+    population = Population.of(genomes)
+    population.fitness = np.array(fitness or [0.0] * len(weights))
+    return population
+
+
+def members_of(species_set: SpeciesSet) -> list[tuple[int, list[int]]]:
+    """Each species' id and its members' places."""
+    return [(species.id, species.members.tolist()) for species in species_set.species]
 
 
 def test_speciation_keeps_representatives_and_takes_the_nearest() -> None:
     species_set = SpeciesSet()
-    first = [weighted(0.0, 0, 1.0), weighted(5.9, 1, 3.0), weighted(20.0, 2, 2.0)]
-    speciate(first, species_set, NEAT)  # threshold 3.0 is a weight difference of 6
-    assert [[g.id for g in s.members] for s in species_set.species] == [[1, 0], [2]]
-    assert [s.id for s in species_set.species] == [0, 1]
+    # threshold 3.0 is a weight difference of 6
+    speciate(weighted([0.0, 5.9, 20.0], [1.0, 3.0, 2.0]), species_set, NEAT)
+    assert members_of(species_set) == [(0, [1, 0]), (1, [2])]
 
     # 6.5 is within reach of genome 1 but not of the representative, genome 0
-    speciate([weighted(6.5, 3), weighted(-1.0, 4), weighted(14.1, 5)], species_set, NEAT)
-    assert [[g.id for g in s.members] for s in species_set.species] == [[4], [5], [3]]
+    speciate(weighted([6.5, -1.0, 14.1]), species_set, NEAT)
+    assert members_of(species_set) == [(0, [1]), (1, [2]), (2, [0])]
 
     # 10.2 lies between the second and the third species, nearer to the third
-    speciate([weighted(10.2, 6)], species_set, NEAT)
-    assert [(s.id, [g.id for g in s.members]) for s in species_set.species] == [(2, [6])]
-    speciate([weighted(99.0, 7)], species_set, NEAT)
-    assert [s.id for s in species_set.species] == [3], "ids of dead species do not come back"
+    speciate(weighted([10.2]), species_set, NEAT)
+    assert members_of(species_set) == [(2, [0])]
+    speciate(weighted([99.0]), species_set, NEAT)
+    assert members_of(species_set) == [(3, [0])], "ids of dead species do not come back"
 
 
 def test_of_equally_near_species_the_oldest_wins() -> None:
     species_set = SpeciesSet()
-    speciate([weighted(0.0, 0), weighted(10.0, 1)], species_set, NEAT)
-    speciate([weighted(5.0, 2), weighted(9.0, 3)], species_set, NEAT)
-    assert [[g.id for g in s.members] for s in species_set.species] == [[2], [3]]
+    speciate(weighted([0.0, 10.0]), species_set, NEAT)
+    speciate(weighted([5.0, 9.0]), species_set, NEAT)
+    assert members_of(species_set) == [(0, [0]), (1, [1])]
 
 
 def test_a_representative_is_a_copy() -> None:
-    founder = weighted(0.0, 0)
+    founders = weighted([0.0])
     species_set = SpeciesSet()
-    speciate([founder], species_set, NEAT)
-    founder.connections["weight"] = 100.0
-    speciate([weighted(1.0, 1)], species_set, NEAT)
-    assert [s.id for s in species_set.species] == [0]
+    speciate(founders, species_set, NEAT)
+    founders.pool.connections["weight"] = 100.0
+    speciate(weighted([1.0]), species_set, NEAT)
+    assert members_of(species_set) == [(0, [0])]
 
 
 def test_members_are_sorted_by_fitness_then_age() -> None:
     species_set = SpeciesSet()
-    speciate([weighted(0, i, f) for i, f in enumerate([1.0, 3.0, 3.0, 2.0])], species_set, NEAT)
-    assert [g.id for g in species_set.species[0].members] == [1, 2, 3, 0]
+    speciate(weighted([0.0] * 4, [1.0, 3.0, 3.0, 2.0]), species_set, NEAT)
+    assert members_of(species_set) == [(0, [1, 2, 3, 0])]
 
 
 def test_stagnation_counts_generations_without_a_better_best() -> None:
     species_set = SpeciesSet()
     counts = []
     for fitness in (1.0, 1.0, 0.5, 2.0, 2.0):
-        speciate([weighted(0.0, 0, fitness)], species_set, NEAT)
+        speciate(weighted([0.0], [fitness]), species_set, NEAT)
         counts.append(species_set.species[0].stagnant)
     assert counts == [0, 1, 2, 0, 1]
 
 
-def species_of(id: int, fitness: list[float], stagnant: int = 0) -> Species:
-    members = [weighted(0.0, 10 * id + i, value) for i, value in enumerate(fitness)]
-    return Species(id, members[0], max(fitness), stagnant, members)
+def species_of(id: int, members: list[int], stagnant: int = 0) -> Species:
+    return Species(id, ONE, stagnant=stagnant, members=np.array(members))
 
 
 @pytest.mark.parametrize(("elitism", "left"), [(0, [2, 3]), (1, [2, 3]), (2, [2, 3, 4])])
 def test_stagnant_species_go_but_the_best_stay(elitism: int, left: list[int]) -> None:
     species_set = SpeciesSet(
         [
-            species_of(1, [1.0], stagnant=21),
-            species_of(2, [0.5], stagnant=20),
-            species_of(3, [9.0], stagnant=99),
-            species_of(4, [2.0], stagnant=50),
+            species_of(1, [0], stagnant=21),
+            species_of(2, [1], stagnant=20),
+            species_of(3, [2], stagnant=99),
+            species_of(4, [3], stagnant=50),
         ]
     )
-    remove_stagnant(species_set, neat_constants(max_stagnation=20, species_elitism=elitism))
+    fitness = np.array([1.0, 0.5, 9.0, 2.0])
+    remove_stagnant(
+        species_set, fitness, neat_constants(max_stagnation=20, species_elitism=elitism)
+    )
     assert [s.id for s in species_set.species] == left
 
 
 def test_sharing_by_hand() -> None:
-    species_set = SpeciesSet([species_of(0, [4.0, 2.0, 0.0]), species_of(1, [-2.0])])
+    species_set = SpeciesSet([species_of(0, [0, 1, 3]), species_of(1, [2])])
+    fitness = np.array([4.0, 2.0, -2.0, 0.0])
     # shifted by -2: 6, 4, 2 and 0
-    stanley = adjusted_fitness(species_set, neat_constants(sharing="stanley"))
+    stanley = adjusted_fitness(species_set, fitness, neat_constants(sharing="stanley"))
     assert np.allclose(stanley, [4.0, 0.0])
-    literal = adjusted_fitness(species_set, neat_constants(sharing="literal"))
+    literal = adjusted_fitness(species_set, fitness, neat_constants(sharing="literal"))
     assert np.allclose(literal, [4.0 / 3.0, 0.0])

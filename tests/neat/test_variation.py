@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from neol.neat.genome import Genome, join, split
+from neol.neat.genome import Genome, Pool
 from neol.neat.innovations import Innovations, connection_number, split_node
-from neol.neat.reproduction import Reproduction, fittest_first
+from neol.neat.population import Population
+from neol.neat.reproduction import Reproduction
 from neol.neat.values import fresh_values, mutate_values
 from neol.neat.variation import (
+    PARENTS,
     Rates,
     add_connection,
     add_node,
@@ -27,6 +29,7 @@ from tests.neat.genomes import (
     cross,
     genome_of,
     grow,
+    in_order,
     neat_constants,
     populations,
     stream,
@@ -101,10 +104,10 @@ def test_crossover_by_hand() -> None:
 def test_of_equally_fit_parents_the_smaller_gives_the_structure() -> None:
     small = genome_of([(0, 0, 3, 1.0, True)], id=7)
     large = genome_of([(0, 0, 3, 1.0, True), (1, 1, 3, 1.0, True)], id=1)
-    assert fittest_first([large, small]) == fittest_first([small, large]) == [small, large]
+    assert in_order([large, small]) == [small, large]
     assert len(cross(large, small, NEAT).connections) == 1
     older, fitter = genome_of([(0, 0, 3, 1.0, True)], id=6), genome_of([], id=8, fitness=0.1)
-    assert fittest_first([large, small, older, fitter]) == [fitter, older, small, large]
+    assert in_order([large, small, older, fitter]) == [fitter, older, small, large]
 
 
 def test_a_gene_disabled_in_a_parent_is_disabled_in_most_children() -> None:
@@ -116,20 +119,15 @@ def test_a_gene_disabled_in_a_parent_is_disabled_in_most_children() -> None:
 
 
 def children_of(
-    parents: list[Genome], pairs: list[tuple[int, int]], rates: Rates, innovations: Innovations
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """The genes of one child for each pair of parents."""
-    nodes, connections = breed_all(
-        *join([parent.nodes for parent in parents]),
-        *join([parent.connections for parent in parents]),
-        np.array(pairs),
-        INPUTS,
-        OUTPUTS,
-        rates,
-        innovations,
-        stream(),
-    )
-    return list(zip(split(*nodes), split(*connections), strict=True))
+    genomes: list[Genome],
+    parents: list[tuple[int, int, bool]],
+    rates: Rates,
+    innovations: Innovations,
+) -> Population:
+    """A child for each pair of parents, or a copy where the pair stands for an elite."""
+    rows = np.array(parents, dtype=PARENTS)
+    pool = breed_all(Pool.of(genomes), rows, INPUTS, OUTPUTS, rates, innovations, stream())
+    return Population(0, pool, np.full(len(parents), np.nan))
 
 
 @given(populations)
@@ -138,12 +136,14 @@ def test_breeding_all_is_breeding_one_after_the_other(
     grown: tuple[list[Genome], Reproduction],
 ) -> None:
     population, reproduction = grown
-    pairs = [(0, 3), (2, 2), (1, 5), (4, 5)]
+    parents = [(3, 3, True), (0, 3, False), (2, 2, False), (1, 5, False), (4, 5, False)]
     mark = (reproduction.innovations.next_innovation, reproduction.innovations.next_node)
-    together, alone = Innovations.begin(*mark, len(pairs)), Innovations.begin(*mark, len(pairs))
-    children = children_of(population, pairs, reproduction.rates, together)
+    together, alone = Innovations.begin(*mark, 4), Innovations.begin(*mark, 4)
+    elite, *children = children_of(population, parents, reproduction.rates, together)
+    assert elite.nodes.tolist() == population[3].nodes.tolist()
+    assert elite.connections.tolist() == population[3].connections.tolist()
     state = stream()
-    for (one, other), (nodes, connections) in zip(pairs, children, strict=True):
+    for (one, other, _), child in zip(parents[1:], children, strict=True):
         fitter, weaker = population[one], population[other]
         expected = breed(
             fitter.nodes,
@@ -157,8 +157,8 @@ def test_breeding_all_is_breeding_one_after_the_other(
             alone,
             state,
         )
-        assert nodes.tolist() == expected[0].tolist()
-        assert connections.tolist() == expected[1].tolist()
+        assert child.nodes.tolist() == expected[0].tolist()
+        assert child.connections.tolist() == expected[1].tolist()
     assert together.next_innovation == alone.next_innovation
     assert together.next_node == alone.next_node
 
@@ -169,12 +169,10 @@ def test_a_genome_bred_with_itself_and_unmutated_is_copied() -> None:
     rates = rates._replace(weight=rates.weight._replace(mutate_rate=0.0, replace_rate=0.0))
     rates = rates._replace(bias=rates.bias._replace(mutate_rate=0.0, replace_rate=0.0))
     parent = genome_of([(i, i % INPUTS, 3, 1.0, False) for i in range(50)])
-    (nodes, connections), _ = children_of(
-        [parent], [(0, 0), (0, 0)], rates, Innovations.begin(50, 5, 2)
-    )
-    assert nodes.tolist() == parent.nodes.tolist()
-    assert connections.tolist() == parent.connections.tolist()
-    connections["weight"], nodes["bias"] = 5.0, 5.0
+    child, _ = children_of([parent], [(0, 0, False)] * 2, rates, Innovations.begin(50, 5, 2))
+    assert child.nodes.tolist() == parent.nodes.tolist()
+    assert child.connections.tolist() == parent.connections.tolist()
+    child.connections["weight"], child.nodes["bias"] = 5.0, 5.0
     assert parent.connections["weight"][0] == 1.0
     assert parent.nodes["bias"][0] == 0.0
 
@@ -208,9 +206,9 @@ def test_siblings_that_split_the_same_connection_get_the_same_genes() -> None:
     rates = RATES._replace(add_connection=0.0, add_node=1.0)
     parent = genome_of([(0, 0, 3, 0.7, True)])
     innovations = Innovations.begin(6, 5, 3)
-    for nodes, connections in children_of([parent], [(0, 0)] * 3, rates, innovations):
-        assert nodes["id"].tolist() == [3, 4, 5]
-        assert connections["innovation"].tolist() == [0, 6, 7]
+    for child in children_of([parent], [(0, 0, False)] * 3, rates, innovations):
+        assert child.nodes["id"].tolist() == [3, 4, 5]
+        assert child.connections["innovation"].tolist() == [0, 6, 7]
 
 
 def test_add_node_splits_a_connection() -> None:
