@@ -1,6 +1,6 @@
 """Sensitivity: the constants that the paper leaves open, changed one at a time.
 
-config/sensitivity/variants.yaml lists the variants; the workflow runs their trials.
+config/sensitivity/ lists the variants and states the study's size; the workflow runs their trials.
 """
 
 import re
@@ -10,13 +10,29 @@ from pathlib import Path
 from neol.campaign import RESULTS
 from neol.errors import UserError
 from neol.overlay import Overlay
-from neol.spec import CONFIG, Configuration, Model, RunSpec, load_configuration
+from neol.spec import (
+    CONFIG,
+    Configuration,
+    Model,
+    Population,
+    PositiveInt,
+    RunSpec,
+    load_configuration,
+)
 
 VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
+STUDY = CONFIG / "sensitivity" / "study.yaml"
 BASELINE = "baseline"
 FIRST_SEED = 1_000_000
 """Tuning seeds begin here, beyond those of every budget."""
-MOST_SEEDS = 10
+
+
+class Study(Model):
+    """How much a variant spends at most; a smaller budget's own size is less."""
+
+    generations: PositiveInt
+    population: Population
+    seeds: PositiveInt
 
 
 class Variant(Model):
@@ -39,6 +55,13 @@ class Trial:
     record: Path
 
 
+def study() -> Study:
+    """The size that the file states."""
+    overlay = Overlay()
+    overlay.add_file(STUDY)
+    return Study.model_validate(overlay.values, strict=False)
+
+
 def variants() -> dict[str, Variant]:
     """Those that the file lists, the baseline first."""
     overlay = Overlay()
@@ -51,13 +74,13 @@ def variants() -> dict[str, Variant]:
 
 def trials(configuration: Configuration, name: str) -> list[Trial]:
     """What a variant runs in a budget, for each of its tasks and methods."""
-    budget = configuration.budget
+    budget, most = configuration.budget, study()
     if name not in variants():
         raise UserError(f'unknown variant "{name}" (allowed: {", ".join(variants())})')
     variant = variants()[name]
     changed = load_configuration(budget.name, variant.set)
     rate = budget.learning_rates[len(budget.learning_rates) // 2]
-    seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seeds, MOST_SEEDS))
+    seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seeds, most.seeds))
     return [
         Trial(
             variant=name,
@@ -66,9 +89,9 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
             spec=changed.run_spec(
                 task=task,
                 method=method,
-                population=min(budget.populations),
+                population=min(*budget.populations, most.population),
                 learning_rate=None if changed.methods[method].rule == "none" else rate,
-                generations=max(2, budget.generations // 5),
+                generations=max(2, min(budget.generations // 5, most.generations)),
                 seed=seeds[0],
             ),
             seeds=seeds,

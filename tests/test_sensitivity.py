@@ -9,7 +9,7 @@ from neol import sensitivity as module
 from neol.analysis.sensitivity import sensitivity
 from neol.errors import UserError
 from neol.records import join, write_record
-from neol.sensitivity import BASELINE, MOST_SEEDS, trials, variants
+from neol.sensitivity import BASELINE, STUDY, trials, variants
 from neol.spec import budgets, load_configuration
 from tests.analysis.made_up import run
 
@@ -31,7 +31,25 @@ def test_the_seeds_are_none_of_the_budgets() -> None:
         configuration = load_configuration(budget)
         (seeds,) = {trial.seeds for trial in trials(configuration, BASELINE)}
         assert seeds[0] >= configuration.budget.seeds
-        assert len(seeds) == min(configuration.budget.seeds, MOST_SEEDS)
+        assert len(seeds) == min(configuration.budget.seeds, 10)
+
+
+@pytest.mark.parametrize(
+    ("budget", "evaluations"), [("demo", 138_000), ("desk", 230_000), ("paper", 230_000)]
+)
+def test_the_study_costs_what_its_file_says(budget: str, evaluations: int) -> None:
+    constants = load_configuration(budget)
+    spent = [
+        len(trial.seeds)
+        * trial.spec.generations
+        * trial.spec.population
+        * trial.spec.evaluation.episodes
+        for name in variants()
+        for trial in trials(constants, name)
+        if trial.task == "cartpole"
+    ]
+    assert (len(spent), sum(spent)) == (19, evaluations)
+    assert f"{evaluations:,}" in STUDY.read_text(encoding="utf-8")
 
 
 def test_every_record_has_a_place_of_its_own() -> None:
