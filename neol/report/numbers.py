@@ -1,0 +1,153 @@
+"""The numbers in the text of paper/reproduction.tex, each a cell of a file that records made.
+
+The text writes \\result{table1/hopper/bcm/mean} for that cell of table1.csv: the file, what chooses
+the row, the column. What a budget does not have (a task, say) is printed as a dash.
+"""
+
+import argparse
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from neol.analysis import reference
+from neol.analysis.labels import task_label
+from neol.analysis.latex import escape
+from neol.analysis.runs import Campaign
+from neol.campaign import RESULTS
+from neol.errors import UserError
+from neol.files import write_atomically
+from neol.metadata import metadata
+from neol.report.costs import costs
+from neol.spec import Configuration, load_configuration
+
+KEYS = {
+    **{f"table{number}": ("task", "method") for number in (1, 2, 3, 4, 5, 6, 7, 8)},
+    "beyond_effects": ("comparison", "task", "method"),
+}
+"""The files of figures/ whose cells the text may show, and what chooses a row of each."""
+
+_DEFINITIONS = r"""
+\makeatletter
+\newcommand{\setresult}[2]{\@namedef{result:#1}{#2}}
+\newcommand{\result}[1]{\ifcsname result:#1\endcsname\@nameuse{result:#1}\else--\fi}
+\makeatother
+"""
+
+
+def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
+    """Every number that the text may show, by name, as LaTeX.
+
+    Raises UserError where a file is missing from the folder `figures`.
+    """
+    found = dict(_of_configuration(campaign.configuration))
+    for name, keys in KEYS.items():
+        found |= dict(_of_table(name, _read(figures / f"{name}.csv"), keys))
+    found |= dict(_of_table("cost", costs(campaign).reset_index(), ["task"]))
+    found |= _of_claims(_read(figures / "claims.csv"))
+    return found
+
+
+def results_tex(campaign: Campaign, figures: Path) -> str:
+    """What the paper inputs: its numbers, and macros for what is no number."""
+    project = metadata()
+    configuration = campaign.configuration
+    texts = {
+        "figures": figures.as_posix(),
+        "projecttitle": escape(project.title),
+        "projectauthors": escape(", ".join(project.authors)),
+        "projectversion": escape(project.version),
+        "papertitle": escape(project.paper.title),
+        "contradictions": "".join(
+            rf"\item Table {table}: {escape(text)} "
+            for table, sentences in reference.CONTRADICTIONS.items()
+            for text in sentences
+        ),
+    }
+    each_task = "".join(f"#1{{{task}}}" for task in configuration.budget.tasks)
+    lines = [
+        "% Written by `python -m neol.report.numbers`.",
+        _DEFINITIONS.strip(),
+        *(rf"\newcommand{{\{name}}}{{{text}}}" for name, text in texts.items()),
+        rf"\newcommand{{\foreachtask}}[1]{{{each_task}}}",
+        *(rf"\setresult{{{name}}}{{{text}}}" for name, text in numbers(campaign, figures).items()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]:
+    budget = configuration.budget
+    is_paper = configuration == load_configuration("paper")
+    yield "budget/name", escape(budget.name)
+    yield "budget/generations", _number(budget.generations)
+    yield "budget/seeds", _number(budget.seeds)
+    yield "budget/populations", ", ".join(map(_number, budget.populations))
+    yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))
+    yield "budget/reduced", "" if is_paper else r"\emph{This is less than the paper's budget.}"
+    yield "spec/episodes", _number(configuration.evaluation.episodes)
+    yield "spec/reward_scale", _number(configuration.plasticity.reward_scale)
+    for name, task in configuration.tasks.items():
+        yield f"tasks/{name}/label", escape(task_label(name))
+        yield f"tasks/{name}/max_steps", _number(task.max_steps)
+
+
+def _of_table(name: str, table: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[str, str]]:
+    for row in table.to_dict("records"):
+        place = "/".join([name, *(str(row.pop(key)) for key in keys)])
+        for column, value in row.items():
+            if isinstance(value, int | float):
+                yield f"{place}/{column}", _number(value)
+
+
+def _of_claims(parts: pd.DataFrame) -> dict[str, str]:
+    verdicts = parts.groupby("claim", sort=False)["verdict"].first()
+    counts = {
+        verdict: int((verdicts == verdict).sum())
+        for verdict in ("supported", "contradicted", "undecided")
+    }
+    return {
+        **{f"claims/{claim}/verdict": str(verdict) for claim, verdict in verdicts.items()},
+        **{f"claims/count/{verdict}": str(count) for verdict, count in counts.items()},
+        "claims/count/all": str(len(verdicts)),
+    }
+
+
+def _number(value: float) -> str:
+    """Whole numbers in full, others with four significant digits, as LaTeX."""
+    if math.isnan(value):
+        return "--"
+    if math.isinf(value):
+        return r"$\infty$"
+    if value == int(value) and abs(value) < 1e15:
+        return f"{int(value):,}".replace(",", r"\,").replace("-", "$-$")
+    mantissa, _, exponent = f"{value:.4g}".partition("e")
+    if exponent:
+        return rf"${mantissa}\times 10^{{{int(exponent)}}}$"
+    return mantissa.replace("-", "$-$")
+
+
+def _read(path: Path) -> pd.DataFrame:
+    try:
+        return pd.read_csv(path)
+    except OSError as error:
+        raise UserError(
+            f"{path}: cannot be read ({error.strerror}); `snakemake all` makes it"
+        ) from None
+
+
+def main() -> None:
+    """Write the numbers of a budget."""
+    parser = argparse.ArgumentParser(prog="python -m neol.report.numbers", description=__doc__)
+    parser.add_argument("budget")
+    parser.add_argument("figures", type=Path, help="the folder of the budget's tables")
+    parser.add_argument("output", type=Path)
+    arguments = parser.parse_args()
+    campaign = Campaign(load_configuration(arguments.budget), RESULTS)
+    text = results_tex(campaign, arguments.figures)
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(arguments.output, text.encode())
+
+
+if __name__ == "__main__":
+    main()

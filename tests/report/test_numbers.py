@@ -1,0 +1,146 @@
+"""The paper's text: its numbers come from tables, and none is typed."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from neol.analysis import tables
+from neol.analysis.beyond import effects
+from neol.analysis.labels import TASKS
+from neol.analysis.outcomes import gather
+from neol.analysis.runs import Campaign
+from neol.campaign import cells
+from neol.errors import UserError
+from neol.report.costs import costs
+from neol.report.numbers import KEYS, _number, numbers, results_tex
+from neol.spec import ROOT
+from tests.analysis.made_up import configuration, write_campaign
+
+TEXT = (ROOT / "paper" / "reproduction.tex").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
+    """All four tasks; every run ends at 7."""
+    results = tmp_path_factory.mktemp("results")
+    budget = configuration(tasks=tuple(TASKS))
+    write_campaign(results, budget, {}, otherwise=7.0)
+    return Campaign(budget, results)
+
+
+@pytest.fixture(scope="module")
+def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The tables of these runs, and a ledger of two claims."""
+    folder = tmp_path_factory.mktemp("figures")
+    for name in KEYS:
+        if name.startswith("table"):
+            getattr(tables, name)(campaign).write(folder)
+    effects(gather(campaign), campaign.configuration.budget).to_csv(
+        folder / "beyond_effects.csv", index=False
+    )
+    pd.DataFrame(
+        {"claim": ["a", "a", "b"], "verdict": ["supported", "supported", "undecided"]}
+    ).to_csv(folder / "claims.csv", index=False)
+    return folder
+
+
+def names() -> set[str]:
+    """Every name that the text gives to \\result, for each of the tasks."""
+    text = TEXT
+    for macro, column in (("meansd", "mean"), ("meansd", "sd"), ("papermeansd", "paper_mean")):
+        for table, task, method in re.findall(rf"\\{macro}{{(.+?)}}{{(.+?)}}{{(.+?)}}", TEXT):
+            text += rf"\result{{{table}/{task}/{method}/{column}}}"
+    found = re.findall(r"\\result{([^}]*)}", " ".join(text.split()))
+    return {
+        name.replace("#1", task)
+        for name in found
+        for task in TASKS
+        if not re.search(r"#[23]|^#1/|tasks/#1/label", name)
+    }
+
+
+def test_every_number_that_the_text_names_is_there(campaign: Campaign, figures: Path) -> None:
+    there = numbers(campaign, figures)
+    assert len(names()) > 60
+    assert sorted(names() - there.keys()) == []
+
+
+def test_costs_add_up(campaign: Campaign) -> None:
+    spent = costs(campaign)
+    runs = len(cells(campaign.configuration)) * campaign.configuration.budget.seeds
+    assert spent.loc["all", "runs"] == runs
+    assert spent.loc["hopper", "runs"] == runs / 4
+    assert list(spent.index) == [*TASKS, "all"]
+    by_hand = sum(
+        cell.population * campaign.configuration.budget.generations
+        for cell in cells(campaign.configuration)
+        if cell.task == "hopper"
+    )
+    assert spent.loc["hopper", "evaluations"] == by_hand * campaign.configuration.budget.seeds
+
+
+def test_verdicts_are_counted_by_claim(campaign: Campaign, figures: Path) -> None:
+    there = numbers(campaign, figures)
+    assert there["claims/count/all"] == "2"
+    assert there["claims/count/supported"] == "1"
+    assert there["claims/b/verdict"] == "undecided"
+
+
+def test_a_missing_table_is_said(campaign: Campaign, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"table1\.csv: cannot be read .*snakemake all"):
+        numbers(campaign, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (500.0, "500"),
+        (6240, r"6\,240"),
+        (-83, "$-$83"),
+        (0.0378307, "0.03783"),
+        (-1.25, "$-$1.25"),
+        (1.202e-8, r"$1.202\times 10^{-8}$"),
+        (np.nan, "--"),
+        (np.inf, r"$\infty$"),
+        (0.0, "0"),
+    ],
+)
+def test_numbers_as_latex(value: float, text: str) -> None:
+    assert _number(value) == text
+
+
+def test_text_has_no_typed_number() -> None:
+    """Digits stand only in formulas, names, references to the paper's parts, the bibliography."""
+    assert typed_numbers(TEXT) == []
+
+
+def test_a_typed_number_is_found() -> None:
+    assert typed_numbers(r"\begin{document} BCM comes to 324.3 on Hopper. \end{document}") == [
+        "324.3"
+    ]
+
+
+def typed_numbers(text: str) -> list[str]:
+    body = text[text.index(r"\begin{document}") :]
+    for exempt in (
+        r"(?s)\\begin{thebibliography}.*",
+        r"(?m)(?<!\\)%.*$",
+        r"(?s)\\begin{equation\*}.*?\\end{equation\*}",
+        r"\$[^$]*\$",
+        r"(?s)\\(?:result|input|label|ref|cite|drawing|meansd|papermeansd|begin|end|newcommand)(?:\[[^]]*\]|{[^{}]*})+",
+        r"(?:Tables?|Figures?|Sections?|Algorithms?|Equations?)[ ~](?:\d+(?:\.\d+)?(?:, | and )?)+",
+        r"figures/table\d",
+        r"#\d",
+        r"\\texttt{[^}]*}",
+    ):
+        body = re.sub(exempt, " ", body)
+    return re.findall(r"\d[\d.,]*", body)
+
+
+def test_macros_are_there(campaign: Campaign, figures: Path) -> None:
+    text = results_tex(campaign, figures)
+    for macro in ("figures", "projecttitle", "papertitle", "foreachtask", "contradictions"):
+        assert rf"\newcommand{{\{macro}}}" in text
