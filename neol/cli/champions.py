@@ -1,7 +1,7 @@
 """Champions after their runs: replay, film, draw, compare and export them."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -37,7 +37,7 @@ def replay(
     gif: Annotated[Path | None, typer.Option(help="Film the first one into this file.")] = None,
     human: Annotated[bool, typer.Option("--human", help="Watch them in a window.")] = False,
 ) -> None:
-    """Play a champion's held-out episodes again, and compare with the record; or film one."""
+    """Play a champion's held-out episodes again, and film one."""
     from neol.champions.film import film, need_display
     from neol.champions.player import load_champion
     from neol.files import write_atomically
@@ -123,7 +123,7 @@ def compare(
         Path | None, typer.Option(help="Learning curves: a .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Print records side by side: constants that differ, and what came of it."""
+    """Print records side by side: configurations and results."""
     from rich.console import Console
     from rich.table import Table
 
@@ -147,6 +147,32 @@ def compare(
     if output:
         write_picture(learning_curves(compared), output)
         print(f"{output}: learning curves")
+
+
+@app.command(
+    epilog=examples(
+        "neol export a.parquet --format python --output champion.py",
+        "neol export a.parquet --seed 3 --format json --output champion.json",
+    )
+)
+def export(
+    record: RecordPath,
+    kind: Annotated[
+        Literal["json", "onnx", "python"], typer.Option("--format", help="onnx needs its package.")
+    ],
+    output: Annotated[Path, typer.Option(help="The file.")],
+    seed: Seed = None,
+) -> None:
+    """Write a champion's network, with fixed weights, for use elsewhere."""
+    from neol.champions.export import to_json, to_python
+    from neol.champions.onnx_export import to_onnx
+    from neol.champions.player import load_champion
+    from neol.files import write_atomically
+
+    write = {"json": to_json, "onnx": to_onnx, "python": to_python}[kind]
+    player = load_champion(record, seed)
+    write_atomically(output, write(player))
+    print(f"{output}: champion of seed {player.spec.seed}, {player.spec.task.environment}")
 
 
 def _check_folder(output: Path) -> None:

@@ -1,0 +1,212 @@
+"""Champions for other programs: their networks, with the weights that an episode begins with.
+
+`Exported` says what the JSON holds. Records may come from anywhere: whatever text they hold gets
+into a Python file as a quoted literal only.
+"""
+
+import contextlib
+from collections.abc import Iterable, Iterator
+from typing import Literal
+
+import gymnasium
+import numpy as np
+
+from neol.champions.names import names
+from neol.champions.player import Player
+from neol.rollout.reference import make_environment
+from neol.spec import Model
+
+
+class Discrete(Model):
+    """The action is the first of the largest outputs."""
+
+    kind: Literal["discrete"] = "discrete"
+    start: int
+    """Of the actions' numbers: the action is this plus the output's place."""
+
+
+class Continuous(Model):
+    """The action is all outputs, clipped."""
+
+    kind: Literal["continuous"] = "continuous"
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    dtype: str
+    """Of numpy: what the environment takes; its reward may depend on it."""
+
+
+class Node(Model):
+    """Its activity is activation(clip(bias + weights * sources)), summed in this order."""
+
+    activation: Literal["tanh", "relu", "sigmoid", "identity"]
+    bias: float
+    sources: tuple[int, ...]
+    """Places among all activities: the inputs', then the nodes' in their order."""
+    weights: tuple[float, ...]
+
+
+class Exported(Model):
+    """A network that plays a task. All numbers are exact: the shortest that read back the same."""
+
+    format: Literal["neol-network"] = "neol-network"
+    version: Literal[1] = 1
+    task: str
+    environment: str
+    """Gymnasium id."""
+    method: str
+    seed: int
+    fitness: float
+    inputs: tuple[str, ...]
+    """What each entry of an observation is."""
+    outputs: tuple[str, ...]
+    action: Discrete | Continuous
+    sum_limit: float
+    """A node's sum is clipped to +- this."""
+    nodes: tuple[Node, ...]
+    """In an order in which they can be computed; the last ones are the outputs."""
+
+
+def export(player: Player) -> Exported:
+    """A champion's network."""
+    spec, network = player.spec, player.network
+    inputs, outputs = names(spec.task, network.inputs, network.outputs)
+    count = len(network.bias)
+    nodes = []
+    for node in range(count):
+        incoming = slice(*network.edge_offset[node : node + 2])
+        is_output = node >= count - network.outputs
+        nodes.append(
+            Node(
+                activation="tanh" if is_output else spec.network.hidden_activation,
+                bias=float(network.bias[node]),
+                sources=tuple(network.source[incoming].tolist()),
+                weights=tuple(network.weight[incoming].tolist()),
+            )
+        )
+    return Exported(
+        task=spec.task.name,
+        environment=spec.task.environment,
+        method=spec.method,
+        seed=spec.seed,
+        fitness=player.genome.fitness,
+        inputs=inputs,
+        outputs=outputs,
+        action=_action(player),
+        sum_limit=network.sum_limit,
+        nodes=tuple(nodes),
+    )
+
+
+def to_json(player: Player) -> bytes:
+    """The network as `Exported` in JSON."""
+    return export(player).model_dump_json(indent=1).encode() + b"\n"
+
+
+def to_python(player: Player) -> bytes:
+    """The network as a Python file with a function act(observation)."""
+    network = export(player)
+    content = {
+        "environment": network.environment,
+        "inputs": _lines(network.inputs),
+        "outputs": _lines(network.outputs),
+        "sum_limit": network.sum_limit,
+        "activations": "\n".join(
+            f"    {name!r}: {_FUNCTIONS[name]},"
+            for name in dict.fromkeys(node.activation for node in network.nodes)
+        ),
+        "nodes": "\n".join(_node_lines(network)),
+    }
+    act = _DISCRETE if isinstance(network.action, Discrete) else _CONTINUOUS
+    text = _PYTHON.format(**content) + act.format(**network.action.model_dump())
+    return text.encode()
+
+
+_FUNCTIONS = {
+    "tanh": "math.tanh",
+    "relu": "lambda total: max(total, 0.0)",
+    "sigmoid": "lambda total: 1.0 / (1.0 + math.exp(-total))",
+    "identity": "lambda total: total",
+}
+_PYTHON = '''\
+"""A network that plays a task, with fixed weights. Written by neol; needs nothing else."""
+
+import math
+
+ENVIRONMENT = {environment!r}  # Gymnasium id
+INPUTS = (
+{inputs}
+)
+OUTPUTS = (
+{outputs}
+)
+SUM_LIMIT = {sum_limit!r}
+ACTIVATIONS = {{
+{activations}
+}}
+# Of each node (activation, bias, connections), of each connection (source, weight): sources count
+# the inputs, then the nodes.
+NODES = (
+{nodes}
+)
+
+
+def outputs(observation):
+    """The activities of the output nodes."""
+    values = [float(value) for value in observation]
+    for activation, bias, connections in NODES:
+        total = bias
+        for source, weight in connections:
+            total += weight * values[source]
+        total = min(max(total, -SUM_LIMIT), SUM_LIMIT)
+        values.append(ACTIVATIONS[activation](total))
+    return values[-len(OUTPUTS) :]
+
+
+'''
+_DISCRETE = '''\
+FIRST = {start}  # of the actions' numbers
+
+
+def act(observation):
+    """The action: an integer."""
+    found = outputs(observation)
+    return FIRST + found.index(max(found))
+'''
+_CONTINUOUS = '''\
+LOW = {low!r}
+HIGH = {high!r}
+DTYPE = {dtype!r}  # in which the environment takes the action, as a numpy array
+
+
+def act(observation):
+    """The action: a list of floats."""
+    bounds = zip(outputs(observation), LOW, HIGH)
+    return [min(max(value, low), high) for value, low, high in bounds]
+'''
+
+
+def _lines(items: Iterable[object]) -> str:
+    return "\n".join(f"    {item!r}," for item in items)
+
+
+def _node_lines(network: Exported) -> Iterator[str]:
+    """The nodes in Python, with the names of what they are and of what feeds them."""
+    hidden = len(network.nodes) - len(network.outputs)
+    own = [*(f"hidden {number}" for number in range(1, hidden + 1)), *network.outputs]
+    known = [*network.inputs, *own]
+    for name, node in zip(own, network.nodes, strict=True):
+        yield f"    ({node.activation!r}, {node.bias!r}, (  # {name}"
+        for source, weight in zip(node.sources, node.weights, strict=True):
+            yield f"        ({source}, {weight!r}),  # {known[source]}"
+        yield "    )),"
+
+
+def _action(player: Player) -> Discrete | Continuous:
+    with contextlib.closing(make_environment(player.spec.task)) as environment:
+        space = environment.action_space
+    if isinstance(space, gymnasium.spaces.Discrete):
+        return Discrete(start=int(space.start))
+    assert isinstance(space, gymnasium.spaces.Box)
+    # Outputs are within +-1, so that is no other bound than an infinite one.
+    low, high = np.maximum(space.low, -1.0), np.minimum(space.high, 1.0)
+    return Continuous(low=tuple(low.tolist()), high=tuple(high.tolist()), dtype=str(space.dtype))
