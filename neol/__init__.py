@@ -1,5 +1,105 @@
-"""NEOL: reward-gated online plasticity for NEAT, reproduced."""
+"""NEOL: reward-gated online plasticity for NEAT, reproduced.
 
-from neol.rules import rule
+What a study of one's own needs. A configuration has every constant, it makes the specification of
+a run, and the run makes a record:
 
-__all__ = ["rule"]
+>>> from pathlib import Path
+>>> import neol
+>>> configuration = neol.load_configuration("smoke", ["evaluation.held_out_episodes=3"])
+>>> spec = configuration.run_spec(
+...     task="cartpole", method="oja", population=6, learning_rate=0.25, generations=2
+... )
+>>> record = neol.evolve(spec, seeds=[0, 1])
+>>> record.table.to_pandas()[["seed", "generation", "evaluations"]]
+   seed  generation  evaluations
+0     0           1            6
+1     0           2           12
+2     1           1            6
+3     1           2           12
+
+A record is one file that vouches for itself; a folder of them is a table of runs:
+
+>>> neol.write_record(Path("runs/oja.parquet"), record)
+>>> neol.read_record(Path("runs/oja.parquet")).spec == spec
+True
+>>> neol.table_of_runs(Path("runs"))[["record", "method", "seed"]]
+        record method  seed
+0  oja.parquet    oja     0
+1  oja.parquet    oja     1
+
+Its champion plays again, exactly as recorded, or in episodes that it never met:
+
+>>> champion = neol.load_champion(Path("runs/oja.parquet"), seed=1)
+>>> champion.evaluate(champion.held_out_seeds).tolist() == list(champion.recorded_returns)
+True
+>>> champion.evaluate([1, 2, 3, 4, 5]).shape
+(5,)
+
+A plasticity rule is a function (docs/how-to/add-a-rule.md), and any environment of Gymnasium with
+flat spaces is a task (docs/how-to/add-a-task.md):
+
+>>> @neol.rule
+... def decaying_hebb(x, y, w, theta):
+...     '''Hebb's rule with weights that decay.'''
+...     return x * y - 0.1 * w
+>>> acrobot = neol.load_configuration().run_spec(
+...     task="gym:Acrobot-v1",
+...     method="decaying_hebb",
+...     population=50,
+...     learning_rate=0.25,
+...     generations=100,
+... )
+>>> acrobot.task.max_steps
+500
+
+What is wrong with the input is a `UserError`: one line that says how to mend it.
+
+>>> configuration.run_spec(task="carpole", method="neat", population=6, generations=2)
+Traceback (most recent call last):
+neol.errors.UserError: unknown task "carpole", did you mean "cartpole"? (allowed: cartpole, ...)
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from neol.champions.player import Player, load_champion
+    from neol.errors import UserError
+    from neol.explore.runs import table_of_runs
+    from neol.records import Record, read_record, write_record
+    from neol.rules import rule
+    from neol.run import evolve
+    from neol.spec import Configuration, RunSpec, load_configuration
+
+_MODULES = {
+    "neol.champions.player": ("Player", "load_champion"),
+    "neol.errors": ("UserError",),
+    "neol.explore.runs": ("table_of_runs",),
+    "neol.records": ("Record", "read_record", "write_record"),
+    "neol.rules": ("rule",),
+    "neol.run": ("evolve",),
+    "neol.spec": ("Configuration", "RunSpec", "load_configuration"),
+}
+"""Where the names come from: a module is imported when one of its names is first used."""
+
+__all__ = [
+    "Configuration",
+    "Player",
+    "Record",
+    "RunSpec",
+    "UserError",
+    "evolve",
+    "load_champion",
+    "load_configuration",
+    "read_record",
+    "rule",
+    "table_of_runs",
+    "write_record",
+]
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _MODULES.items():
+        if name in names:
+            return getattr(importlib.import_module(module), name)
+    raise AttributeError(f"module neol has no attribute {name!r}")

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from neol.complaint import hint
 from neol.errors import UserError
 
 Change = Callable[[float, float, float, float], float]
@@ -57,8 +58,6 @@ def rule(change: Change) -> Change:
 def find_rule(name: str) -> Rule:
     """The rule of that name. Raises UserError where there is none."""
     if name not in RULES:
-        from neol.complaint import hint  # which loads pydantic
-
         raise UserError(f'unknown rule "{name}"{hint(name, RULES)}')
     return RULES[name]
 

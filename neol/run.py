@@ -157,6 +157,24 @@ def run_block(
     return record
 
 
+def evolve(
+    spec: RunSpec,
+    seeds: Sequence[int] | None = None,
+    *,
+    engine: EngineChoice = "auto",
+    workers: int = 1,
+    on_generation: OnGeneration | None = None,
+) -> Record:
+    """Run a specification, with other seeds than its own or not, and keep the record in memory.
+
+    `run_block` is for runs that may be interrupted. Raises UserError for an impossible task.
+    """
+    with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
+        specs = [spec.model_copy(update={"seed": seed}) for seed in seeds or [spec.seed]]
+        results = [run_seed(each, player, on_generation=on_generation) for each in specs]
+    return join([_record_of(result, budget=None) for result in results])
+
+
 def partial_folder(output: Path) -> Path:
     """Where a block keeps what it has until its output is complete."""
     return output.with_name(f"{output.name}.partial")

@@ -36,6 +36,8 @@ _PACKAGE = Path(__file__).resolve().parent
 # A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
 ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
+DEFAULT_BUDGET = "paper"
+"""Its constants are those of config/base.yaml."""
 
 
 def _union(sentence: LiteralString) -> WrapValidator:
@@ -318,9 +320,9 @@ class Configuration(Model):
         task: str,
         method: str,
         population: int,
-        learning_rate: float | None,
         generations: int,
-        seed: int,
+        learning_rate: float | None = None,
+        seed: int = 0,
     ) -> RunSpec:
         """The specification of one run.
 
@@ -374,7 +376,9 @@ Option = tuple[str, tuple[str, ...], str]
 
 
 def load_configuration(
-    budget: str, overrides: Sequence[str] = (), options: Sequence[Option] = ()
+    budget: str = DEFAULT_BUDGET,
+    overrides: Sequence[str] = (),
+    options: Sequence[Option] = (),
 ) -> Configuration:
     """config/base.yaml, overlaid by the budget's file, by overrides ("neat.elitism=3"), by options.
 

@@ -134,44 +134,6 @@ def test_without_options_the_configuration_holds(monkeypatch: pytest.MonkeyPatch
     assert spec == load_configuration("paper").run_spec(**cell, generations=20, seed=0)
 
 
-@pytest.mark.parametrize("command", ["run", "digest", "config"])
-def test_the_examples_of_the_help_work(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = neol(f"{command} --help").stdout.replace("\\\n", " ")
-    examples = re.findall(r"^ +neol (.*)$", page, re.MULTILINE)
-    assert examples
-    for example in examples:
-        if command == "run":
-            specification(example, monkeypatch)
-        else:
-            if command == "digest":
-                neol(f"run {TINY} --output a.parquet")
-            assert neol(example).exit_code == 0
-
-
-def test_help_and_version() -> None:
-    assert "Exit codes: 0 done" in neol("--help").stdout
-    assert neol("").stdout == neol("--help").stdout
-    assert re.fullmatch(r"neol (\d+\.\d+\.\d+|\(not installed\))\n", neol("--version").stdout)
-
-
-def test_help_cuts_no_summary(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    _, commands = neol("--help").stdout.split("Commands:\n")
-    assert "..." not in commands
-
-
-def test_help_needs_nothing_heavy() -> None:
-    script = (
-        "import sys; from neol.cli import app\n"
-        "try: app(['run', '--help'])\n"
-        "except SystemExit: pass\n"
-        "heavy = {'numpy', 'numba', 'gymnasium', 'mujoco', 'pyarrow', 'pandas', 'matplotlib'}\n"
-        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
-    )
-    root = Path(cli.__file__).parents[2]
-    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, cwd=root)
-
-
 def test_config_is_a_configuration_that_reads_back() -> None:
     printed = neol("config --budget desk --set neat.elitism=3").stdout
     content = yaml.safe_load(printed)

@@ -8,12 +8,43 @@ from typer.core import TyperGroup
 
 from neol.errors import UserError
 
-DEFAULT_BUDGET = "paper"
-"""Its constants are those of config/base.yaml."""
+COMMANDS = {
+    "Running": ("run", "status"),
+    "Looking": ("show", "replay", "compare", "export", "digest", "trace", "config"),
+    "Checking": ("verify", "manifest", "bench"),
+}
+"""The commands as the help lists them."""
+EXIT_CODES = {
+    0: "done",
+    1: "a bug of ours",
+    2: "wrong input",
+    3: "a check or a replay does not agree",
+    130: "interrupted",
+    143: "terminated",
+}
+DISAGREES = 3
+LONGEST_SUMMARY = 120
+"""Characters of what a command is said to do."""
 
 
 class Commands(TyperGroup):
-    """Ends in one line and exit code 2 for whatever is wrong with the input."""
+    """Lists what there is by its purpose, and ends in one line for whatever is wrong."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """The names of the commands in the help's order."""
+        return [name for names in COMMANDS.values() for name in names if name in self.commands]
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write a section for each kind of command."""
+        listed = self.list_commands(ctx)
+        width = max(map(len, listed))
+        for kind, names in COMMANDS.items():
+            with formatter.section(kind):
+                formatter.write_dl(
+                    (name.ljust(width), self.commands[name].get_short_help_str(LONGEST_SUMMARY))
+                    for name in names
+                    if name in listed
+                )
 
     def main(self, *args: Any, **extra: Any) -> NoReturn:
         """Run a command and exit."""
@@ -31,11 +62,9 @@ class Commands(TyperGroup):
 
 app = typer.Typer(
     cls=Commands,
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    epilog="Exit codes: 0 done, 1 a bug of ours, 2 wrong input, 3 neol verify found something "
-    "wrong, 130 interrupted, 143 terminated.",
+    epilog=f"Exit codes: {', '.join(f'{code} {meaning}' for code, meaning in EXIT_CODES.items())}.",
 )
 
 
@@ -64,9 +93,17 @@ def examples(*lines: str) -> str:
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
 
 
+def _budgets(incomplete: str) -> list[str]:
+    from neol.spec import budgets
+
+    return [name for name in budgets() if name.startswith(incomplete)]
+
+
 Budget = Annotated[
     str | None,
-    typer.Option(help="Whose constants hold: a file of config/, like desk."),
+    typer.Option(
+        help="Whose constants hold: a file of config/, like desk.", autocompletion=_budgets
+    ),
 ]
 Overrides = Annotated[
     list[str] | None,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from neol.cli.application import DEFAULT_BUDGET, Budget, Overrides, app, examples
+from neol.cli.application import Budget, Overrides, app, examples
 from neol.errors import UserError
 
 
@@ -49,7 +49,7 @@ def config(
     if schema:
         print(json.dumps(spec.schema(), indent=2))
         return
-    configuration = spec.load_configuration(budget or DEFAULT_BUDGET, overrides or [])
+    configuration = spec.load_configuration(budget or spec.DEFAULT_BUDGET, overrides or [])
     content = configuration.model_dump(
         mode="json", exclude={"tasks": {"__all__": {"name"}}, "budget": {"name"}}
     )

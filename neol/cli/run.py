@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 import typer
 
-from neol.cli.application import DEFAULT_BUDGET, Budget, Overrides, app, complain, examples
+from neol.cli.application import Budget, Overrides, app, complain, examples
 from neol.errors import UserError
 from neol.rules import RULES, WITHOUT_RULE
 
@@ -18,16 +18,21 @@ if TYPE_CHECKING:
     from neol.records import Record
 
 MAX_SEEDS = 10_000
+METHODS = (*WITHOUT_RULE, *RULES)
+
+
+def _methods(incomplete: str) -> list[str]:
+    return [name for name in METHODS if name.startswith(incomplete)]
 
 
 @app.command(
     epilog=examples(
         "neol run --task cartpole --method neat --population 50 --generations 10 \\",
-        "    --output a.parquet",
-        "neol run --task hopper --method oja --population 50 --learning-rate 0.0025 \\",
-        "    --generations 20 --seed 3 --output b.parquet",
-        "neol run --task gym:Acrobot-v1 --method bcm --population 20 --learning-rate 0.25 \\",
-        "    --generations 5 --seed 0-4 --set neat.elitism=1 --resume --output c.parquet",
+        "    --seed 0-4 --output a.parquet",
+        "neol run --task lunar_lander --method oja --population 50 --learning-rate 0.0025 \\",
+        "    --generations 5 --workers 2 --output b.parquet",
+        "neol run --task gym:Acrobot-v1 --method bcm --population 8 --learning-rate 0.25 \\",
+        "    --generations 3 --set evaluation.held_out_episodes=5 --output c.parquet",
     )
 )
 def run(
@@ -37,7 +42,7 @@ def run(
             help="cartpole, lunar_lander, hopper, bipedal_walker, or gym:ID of any other."
         ),
     ],
-    method: Annotated[str, typer.Option(help=", ".join((*WITHOUT_RULE, *RULES)) + ".")],
+    method: Annotated[str, typer.Option(help=", ".join(METHODS) + ".", autocompletion=_methods)],
     population: Annotated[int, typer.Option(help="P, 2 to 100000.")],
     generations: Annotated[int, typer.Option(help="G, at least 1.")],
     output: Annotated[Path, typer.Option(help="The record: a Parquet file that does not exist.")],
@@ -86,7 +91,7 @@ def run(
         (option, loc, str(value)) for option, (loc, value) in constants.items() if value is not None
     ]
 
-    from neol.spec import load_configuration
+    from neol.spec import DEFAULT_BUDGET, load_configuration
 
     budget_name, overrides = budget or DEFAULT_BUDGET, overrides or []
     load_configuration(budget_name, overrides).check_names(task, method)

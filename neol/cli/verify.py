@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from neol.cli.application import app, examples
+from neol.cli.application import DISAGREES, app, examples
 
 if TYPE_CHECKING:
     from neol.verify import Finding
     from neol.verify_replay import Run
-
-FOUND_WRONG = 3
-"""Exit code of a verification with findings."""
 
 
 @app.command(epilog=examples("neol manifest results/demo"))
@@ -70,7 +67,7 @@ def verify(
         print(finding)
     print(f"{summary}: {_count(len(findings), 'finding') if findings else 'all well'}")
     if findings:
-        raise typer.Exit(FOUND_WRONG)
+        raise typer.Exit(DISAGREES)
 
 
 def _repeat(
