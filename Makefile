@@ -28,7 +28,8 @@ figures/%: $(READY) FORCE
 	$(RUN) snakemake $@
 
 lab: $(READY)
-	$(RUN) jupyter lab notebooks/explore.ipynb
+	$(RUN) jupyter lab --LabApp.default_url=/lab/tree/notebooks/explore.ipynb \
+	    --FileContentsManager.pre_save_hook=neol.explore.saving.without_outputs
 
 test: $(READY)
 	$(RUN) ruff check

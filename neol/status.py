@@ -5,6 +5,7 @@ is under way, in its `.partial` folder; the next one is running, interrupted, fa
 and those after it are missing.
 """
 
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -29,13 +30,11 @@ RECENT_RUNS = 20
 """As many of the latest runs say how fast runs finish at present."""
 LOG_BYTES = 2**16
 """As much of a log's end is read."""
-NO_FAILURES = (
-    "neol: interrupted",
-    "neol: terminated",
-    "neol: the reference engine plays",
-    "KeyboardInterrupt",
+NO_FAILURE = re.compile(
+    r"neol: (interrupted|terminated|the reference engine plays|.*; waiting for it$)"
+    r"|KeyboardInterrupt"
 )
-"""How the last line of a log begins that ends in no error."""
+"""How the last line of a log reads that ends in no error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +192,7 @@ def _failure(log: Path) -> str:
         return ""
     last = next((line.strip() for line in reversed(lines) if line.strip()), "")
     is_error = last.startswith("neol: ") or "Traceback (most recent call last):" in lines
-    return last if is_error and not last.startswith(NO_FAILURES) else ""
+    return last if is_error and not NO_FAILURE.match(last) else ""
 
 
 # --- What it comes to ---------------------------------------------------------------------------

@@ -143,6 +143,7 @@ def test_a_block_that_ends_during_the_look(folder: Folder, monkeypatch: pytest.M
         ("Traceback (most recent call last):\n  File\nKeyboardInterrupt\n", ""),
         ("neol: terminated: what is done is kept\n", ""),
         ("neol: the reference engine plays CartPole-v1: no compiler\n", ""),
+        ("neol: x.partial: another process is running this; waiting for it\n", ""),
         ("a warning\n", ""),
         ("", ""),
     ],

@@ -24,7 +24,7 @@ class RunChoice(HBox):  # type: ignore[misc]
             options=found,
             value=record if record in found else found[0],
             description="record",
-            layout=Layout(width="34em"),
+            layout=Layout(width="44em"),
         )
         self.seed = Dropdown(description="seed", layout=Layout(width="12em"))
         super().__init__([self.record, self.seed])

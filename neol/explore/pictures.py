@@ -37,6 +37,16 @@ def axis_label(column: str) -> str:
     return f"{name} ({unit})" if unit and unit != name else name
 
 
+def settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
+    """Each budget, population and learning rate that there are runs of, by what a list calls it."""
+    columns = ["budget", "population", "learning_rate"]
+    rows = runs[~runs["sensitivity"]].dropna(subset=columns)[columns].drop_duplicates()
+    return {
+        f"{budget}: P = {population}, eta = {rate:g}": (budget, population, rate)
+        for budget, population, rate in rows.sort_values(columns).itertuples(index=False)
+    }
+
+
 def learning_curves(
     results: Path,
     runs: pd.DataFrame,
