@@ -6,7 +6,9 @@ the one in progress; at the end `<output>` takes its place.
 
 import contextlib
 import fcntl
+import os
 import shutil
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -93,9 +95,12 @@ def run_seed(
             if on_generation is not None:
                 on_generation(spec.seed, generation)
         held_out_returns = evolution.held_out_returns(engine)
-    except BaseException:
+    except BaseException as error:
         if checkpoint is not None and done.generation > saved:
             checkpoints.save(checkpoint, done, cost())
+        if isinstance(error, UserError):
+            place = "held-out episodes" if done.finished else f"generation {done.generation + 1}"
+            raise UserError(f"seed {spec.seed}, {place}: {error}") from error
         raise
     return SeedResult(
         spec=spec,
@@ -124,17 +129,23 @@ def run_block(
 ) -> Record:
     """Run a specification with several seeds (its own is left aside) and write their record.
 
-    With `resume`, finished seeds and checkpoints of an earlier attempt are used, and a complete
-    record is returned as it is; without it, neither may be there.
+    With `resume`, finished seeds and checkpoints of an earlier attempt are used, a complete
+    record is returned as it is, and another process at the same output is waited for; without it,
+    none of these may be there.
     Raises UserError where something is in the way, before anything is simulated.
     """
     if output.is_dir():
         raise UserError(f"{output}: is a folder; name a file in it")
-    partial = partial_folder(output)
-    if not resume:
-        _refuse_existing(output, partial)
-    with _claim(partial):
-        if output.exists():  # in full, or the last attempt was stopped before it could clean up
+    if output.exists():
+        if not resume:
+            raise UserError(f"{output}: exists already; remove it or choose another output")
+        _same_seeds(read_record(output, spec), seeds, output)
+    with _claim(output, wait=resume) as partial:
+        if any(partial.glob("seed_*")) and not resume:
+            raise UserError(
+                f"{partial}: holds an interrupted run; go on with --resume, or remove it"
+            )
+        if output.exists():
             record = _same_seeds(read_record(output, spec), seeds, output)
         else:
             _refuse_other_seeds(partial, seeds)
@@ -152,8 +163,6 @@ def run_block(
                 ]
             record = join(records)
             write_record(output, record)
-        for leftover in partial.glob("seed_*"):
-            leftover.unlink()
     return record
 
 
@@ -233,13 +242,6 @@ def _record_of(result: SeedResult, budget: str | None) -> Record:
     return Record(result.spec, budget, history_table(info.seed, result.history), (info,))
 
 
-def _refuse_existing(output: Path, partial: Path) -> None:
-    if output.exists():
-        raise UserError(f"{output}: exists already; remove it or choose another output")
-    if any(partial.glob("seed_*")):
-        raise UserError(f"{partial}: holds an interrupted run; go on with --resume, or remove it")
-
-
 def _refuse_other_seeds(partial: Path, seeds: Sequence[int]) -> None:
     ours = {finished_path(partial, seed).stem for seed in seeds}
     others = sorted({path.stem for path in partial.glob("seed_*")} - ours)
@@ -261,44 +263,57 @@ def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:
 
 
 @contextlib.contextmanager
-def _claim(partial: Path) -> Iterator[None]:
-    """Make the folder, hold it against other processes, and remove it once it holds no work.
+def _claim(output: Path, *, wait: bool) -> Iterator[Path]:
+    """Make the folder beside an output and hold it against other processes.
 
-    The lock is the kernel's: it ends with the process, whatever ends that.
+    It goes with the claim where it holds no work, or the output is complete.
     """
+    partial = partial_folder(output)
     lock = partial / "lock"
-    try:
-        partial.mkdir(parents=True, exist_ok=True)
-        file = lock.open("w")
-    except OSError as error:
-        raise UserError(
-            f"{partial}: cannot be made ({error.strerror}); choose another output"
-        ) from None
-    with file:
+    while True:
         try:
-            _lock(file)
-        except BlockingIOError:
+            partial.mkdir(parents=True, exist_ok=True)
+            file = lock.open("w")
+        except OSError as error:
             raise UserError(
-                f"{partial}: another process is running this; wait for it or choose another output"
+                f"{partial}: cannot be made ({error.strerror}); choose another output"
             ) from None
-        except OSError:
-            pass  # a file system without locks
+        with file:
+            _lock(file, partial, wait)
+            if not _is(file, lock):
+                continue  # the process that held it has removed it
+            try:
+                yield partial
+            finally:
+                if output.exists() or not any(partial.glob("seed_*")):
+                    shutil.rmtree(partial, ignore_errors=True)
+            return
+
+
+def _lock(file: IO[str], partial: Path, wait: bool) -> None:
+    """Lock a file. The lock is the kernel's: it ends with the process, whatever ends that."""
+    for _ in range(4):  # `is_running` holds it for an instant
         try:
-            yield
-        finally:
-            if not any(partial.glob("seed_*")):
-                shutil.rmtree(partial, ignore_errors=True)
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.05)
+        except OSError:
+            return  # a file system without locks
+        else:
+            return
+    line = f"{partial}: another process is running this"
+    if not wait:
+        raise UserError(f"{line}; wait for it or choose another output")
+    print(f"neol: {line}; waiting for it", file=sys.stderr, flush=True)
+    fcntl.flock(file, fcntl.LOCK_EX)
 
 
-def _lock(file: IO[str], patience: int = 3) -> None:
-    """Lock a file, or raise BlockingIOError; `is_running` holds it for an instant."""
+def _is(file: IO[str], path: Path) -> bool:
+    """Whether a path still leads to an open file."""
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        if patience == 0:
-            raise
-        time.sleep(0.05)
-        _lock(file, patience - 1)
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except FileNotFoundError:
+        return False
 
 
 def is_running(partial: Path) -> bool:

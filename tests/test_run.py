@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 
 from neol import checkpoint
+from neol import run as runs
 from neol.errors import UserError
 from neol.evolution import Generation
 from neol.records import Record, SeedInfo, read_record
 from neol.rollout.reference import ReferenceEngine
 from neol.run import OnGeneration, is_running, partial_folder, run_block, run_seed
 from neol.spec import RunSpec
+from tests import troubled
 from tests.test_evolution import evolve, run_spec
 
 SPEC = run_spec(generations=4)
@@ -241,6 +243,45 @@ def test_an_image_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"Image-v0 observes .*a network needs a flat Box"):
         block(tmp_path / "run.parquet", spec)
     assert names(tmp_path) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("trouble", "workers", "line"),
+    [
+        (
+            "raise",
+            1,
+            "Troubled-v0 raised ZeroDivisionError: no luck (in step 3 of the episode with",
+        ),
+        (
+            "raise",
+            2,
+            "Troubled-v0 raised ZeroDivisionError: no luck (in step 3 of the episode with",
+        ),
+        ("die", 2, "a worker process died (killed, or out of memory?); run again with --resume"),
+    ],
+)
+def test_what_happens_in_an_environment_is_said_and_costs_no_generation(
+    trouble: str, workers: int, line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(troubled.TROUBLE, str(tmp_path / "trouble"))
+    monkeypatch.setattr(runs, "make_engine", troubled.make_engine)
+    spec = run_spec(generations=8).model_copy(update={"task": troubled.TASK})
+    undisturbed = result(block(tmp_path / "whole.parquet", spec))
+    (tmp_path / "trouble").write_text(trouble)
+    output = tmp_path / "run.parquet"
+    with pytest.raises(UserError) as said:
+        block(output, spec, workers=workers)
+    (kept,) = (tmp_path / "run.parquet.partial").glob("seed_*.npz")
+    seed, generation = int(kept.stem[-6:]), checkpoint.generations(kept)
+    assert generation > 0
+    assert str(said.value).startswith(f"seed {seed}, generation {generation + 1}: ")
+    assert line in str(said.value)
+    assert "\n" not in str(said.value)
+    (tmp_path / "trouble").unlink()
+    assert result(block(output, spec, workers=workers, resume=True)) == undisturbed
+    assert names(tmp_path) == ["run.parquet", "whole.parquet"]
 
 
 @pytest.mark.slow

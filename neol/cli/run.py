@@ -157,6 +157,8 @@ def _interruptible(output: Path) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt as stop:
+        if output.exists():  # it was complete, only tidying up was cut short
+            raise typer.Exit from None
         partial = partial_folder(output)
         way_on = (
             f"what is done is kept in {partial}, the same command with --resume goes on from there"

@@ -54,8 +54,8 @@ def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.En
                 disable_env_checker=True,
                 **rendered,
             )
-        except (gymnasium.error.Error, ModuleNotFoundError) as error:
-            reason = str(error).strip().splitlines()[0]
+        except Exception as error:  # the environment is not ours, nor what it draws with
+            reason = " ".join(str(error).split())[:200]
             raise UserError(
                 f"task {task.name}: no environment {task.environment}: {reason}"
             ) from None
@@ -183,7 +183,10 @@ class ReferenceEngine:
         if self._task.fresh_world:
             self._environment.close()
             self._environment = make_environment(self._task, self._render_mode)
-        observation, _ = self._environment.reset(seed=seed)
+        try:
+            observation, _ = self._environment.reset(seed=seed)
+        except Exception as error:
+            raise self._failure(error, f"reset with seed {seed}") from error
         rule = compiled(plasticity.rule)
         total, steps, done = 0.0, 0, False
         while not done:
@@ -206,10 +209,14 @@ class ReferenceEngine:
                 values,
             )
             action = self._action(values[-networks.outputs :])
-            observation, reward, terminated, truncated, _ = self._environment.step(action)
-            reward = float(reward)
-            total += reward
             steps += 1
+            try:
+                observation, reward, terminated, truncated, _ = self._environment.step(action)
+                reward = float(reward)
+            except Exception as error:
+                place = f"in step {steps} of the episode with seed {seed}"
+                raise self._failure(error, place) from error
+            total += reward
             done = terminated or truncated
             finite = learn(
                 first,
@@ -230,6 +237,13 @@ class ReferenceEngine:
             if not (math.isfinite(total) and finite):
                 return math.nan, steps
         return total, steps
+
+    def _failure(self, error: Exception, place: str) -> UserError:
+        """What to say where the environment, which is not ours, raises."""
+        what = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"
+        return UserError(
+            f"{self._task.environment} raised {what} ({place}); mend it, then go on with --resume"
+        )
 
     def _action(self, outputs: npt.NDArray[np.float64]) -> Any:
         """Argmax of discrete actions, else outputs clipped to the action's bounds (Section 4.1)."""
