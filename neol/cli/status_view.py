@@ -16,7 +16,7 @@ LISTED = 5
 
 
 def picture(folder: Path, status: Status) -> RenderableType:
-    """All there is to say, the table first."""
+    """All there is to say; a terminal too small for it cuts the table's end."""
     lists = {
         "Latest": [_latest(run) for run in reversed(status.finished)],
         "Running, by the last checkpoint": [_under_way(each) for each in status.of("running")],
@@ -28,7 +28,7 @@ def picture(folder: Path, status: Status) -> RenderableType:
         if entries:
             more = [f"and {len(entries) - LISTED:,} more"] if len(entries) > LISTED else []
             lines += [f"{title}:", *(f"  {entry}" for entry in entries[:LISTED] + more)]
-    return Group(_table(status), Text("\n".join(lines)))
+    return Group(Text("\n".join(lines)), "", _table(status))
 
 
 def summary(folder: Path, status: Status) -> str:
