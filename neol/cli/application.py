@@ -17,7 +17,7 @@ COMMANDS = {
 EXIT_CODES = {
     0: "done",
     1: "a bug of ours",
-    2: "wrong input",
+    2: "something to mend: input, disk, environment",
     3: "a check or a replay does not agree",
     130: "interrupted",
     143: "terminated",

@@ -1,0 +1,147 @@
+"""Workflows that are killed: finished seeds stay, and the same command goes on from there."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from neol import checkpoint
+from neol.campaign import blocks, run_specs
+from neol.records import SeedInfo, read_record
+from neol.run import checkpoint_path, finished_path, partial_folder, run_block
+from neol.spec import RunSpec, load_configuration
+from tests.test_run import result
+from tests.workflow.clone import fresh_clone, snakemake
+
+pytestmark = pytest.mark.slow
+
+BUDGET = {
+    "generations": "150",
+    "seeds": "3",
+    "populations": "[20]",
+    "learning_rates": "[0.25]",
+    "tasks": "[cartpole]",
+    "methods": "[oja]",
+    "seeds_per_job": "3",
+}
+COMMAND = ("records", "--config", "budget=mini", "--cores", "1")
+RECORD = Path("results/mini/cartpole/oja/p020_lr0.25/seeds_000-002.parquet")
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A clone with a budget of one block, which takes some seconds."""
+    clone = fresh_clone(tmp_path_factory.mktemp("interruption") / "neol")
+    lines = [f"  {key}: {value}\n" for key, value in BUDGET.items()]
+    (clone / "config" / "mini.yaml").write_text("budget:\n" + "".join(lines))
+    return clone
+
+
+@pytest.fixture(scope="module")
+def spec() -> RunSpec:
+    overrides = [f"budget.{key}={value}" for key, value in BUDGET.items()]
+    configuration = load_configuration("paper", overrides)
+    (block,) = blocks(configuration)
+    return run_specs(configuration, block)[0]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(spec: RunSpec, tmp_path_factory: pytest.TempPathFactory) -> object:
+    output = tmp_path_factory.mktemp("undisturbed") / "run.parquet"
+    return result(run_block(spec, range(3), output))
+
+
+def start(clone: Path) -> psutil.Process:
+    """The workflow in a process group of its own, when its job has finished the first seed."""
+    workflow = psutil.Popen(
+        [sys.executable, "-m", "snakemake", *COMMAND],
+        cwd=clone,
+        env=os.environ | {"PYTHONPATH": str(clone)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    partial = partial_folder(clone / RECORD)
+    while not (finished_path(partial, 0).exists() and checkpoint_path(partial, 1).exists()):
+        assert workflow.poll() is None
+        time.sleep(0.01)
+    return workflow
+
+
+def kept(clone: Path, spec: RunSpec) -> SeedInfo:
+    """What is kept of the first seed; the second's checkpoint gets a cost to know it by."""
+    partial = partial_folder(clone / RECORD)
+    path = checkpoint_path(partial, 1)
+    evolution, cost = checkpoint.load(path, spec.model_copy(update={"seed": 1}))
+    assert evolution.generation >= 10
+    checkpoint.save(path, evolution, checkpoint.Cost(cost.wall_seconds + 1e6, cost.cpu_seconds))
+    return read_record(finished_path(partial, 0)).seeds[0]
+
+
+def assert_finishes(clone: Path, first: SeedInfo, undisturbed: object) -> None:
+    """The same command goes on: no seed that was finished and no checkpoint is made again."""
+    done = snakemake(clone, *COMMAND)
+    assert done.returncode == 0, done.stderr
+    record = read_record(clone / RECORD)
+    assert result(record) == undisturbed
+    assert record.seeds[0] == first  # time of day and cost included
+    assert record.seeds[1].wall_seconds > 1e6
+    assert [path.name for path in (clone / RECORD).parent.iterdir()] == [RECORD.name]
+    assert not any((clone / ".snakemake").glob("locks/*"))
+    (clone / RECORD).unlink()
+
+
+def test_all_killed_while_a_second_workflow_wants_in(
+    clone: Path, spec: RunSpec, undisturbed: object
+) -> None:
+    workflow = start(clone)
+    os.killpg(workflow.pid, signal.SIGSTOP)
+    second = snakemake(clone, *COMMAND)
+    assert second.returncode == 1
+    assert "LockException" in second.stderr
+    os.killpg(workflow.pid, signal.SIGKILL)
+    workflow.wait()
+    assert_finishes(clone, kept(clone, spec), undisturbed)
+
+
+def test_the_job_killed(clone: Path, spec: RunSpec, undisturbed: object) -> None:
+    workflow = start(clone)
+    (job,) = (each for each in workflow.children(recursive=True) if "-m neol run" in said(each))
+    job.kill()
+    assert workflow.wait() == 1
+    assert_finishes(clone, kept(clone, spec), undisturbed)
+
+
+def test_only_the_workflow_killed(clone: Path, undisturbed: object) -> None:
+    """Its job lives on: the next workflow's waits for it."""
+    workflow = start(clone)
+    (job,) = (each for each in workflow.children(recursive=True) if "-m neol run" in said(each))
+    job.suspend()
+    workflow.kill()
+    workflow.wait()
+    next_ = psutil.Popen(
+        [sys.executable, "-m", "snakemake", *COMMAND],
+        cwd=clone,
+        env=os.environ | {"PYTHONPATH": str(clone)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    log = clone / "logs" / RECORD.relative_to("results").with_suffix(".log")
+    while "waiting for it" not in log.read_text():
+        assert next_.poll() is None
+        time.sleep(0.05)
+    job.resume()
+    assert next_.wait() == 0
+    assert result(read_record(clone / RECORD)) == undisturbed
+    (clone / RECORD).unlink()
+
+
+def said(process: psutil.Process) -> str:
+    """A process's command, of which bash's is no job."""
+    command = process.cmdline()
+    return "" if command[0].endswith("bash") else " ".join(command)
