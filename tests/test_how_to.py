@@ -18,7 +18,7 @@ PAGES = ROOT / "docs" / "how-to"
 def blocks(page: str, language: str) -> list[str]:
     """The code blocks of a page in some language."""
     text = (PAGES / page).read_text(encoding="utf-8")
-    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    return re.findall(rf"^```{language}\b.*?\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def shell(commands: str, folder: Path, package: Path = ROOT) -> str:
@@ -36,24 +36,33 @@ def shell(commands: str, folder: Path, package: Path = ROOT) -> str:
     return done.stdout
 
 
+def copy_repository(folder: Path) -> None:
+    """Copy what the command line and the workflow read."""
+    for part in ("neol", "config", "paper", "notebooks"):
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / part, folder / part, ignore=ignored)
+    for part in ("Snakefile", "environment.yml"):
+        shutil.copy(ROOT / part, folder)
+
+
 @pytest.mark.slow
 def test_a_rule_in_a_script(tmp_path: Path) -> None:
-    (script,), (commands,) = blocks("add-a-rule.md", "python"), blocks("add-a-rule.md", "sh")
+    (script,), (commands,) = blocks("add-a-rule.md", "python"), blocks("add-a-rule.md", "bash")
     (tmp_path / "decaying.py").write_text(script)
     *_, digest = shell(commands, tmp_path).splitlines()
     record = read_record(tmp_path / "decaying.parquet")
+    assert digest == f"0 {record.seeds[0].digest}"
     assert (record.spec.method, record.spec.plasticity.rule) == ("decaying_hebb",) * 2
     assert record.seeds[0].engine == "fast"
-    again = commands.replace("decaying.parquet", "again.parquet --engine reference", 1)
-    again = again.replace("digest decaying", "digest again")
-    assert shell(again, tmp_path).splitlines()[-1] == digest
-    assert read_record(tmp_path / "again.parquet").seeds[0].engine == "reference"
+    run, _ = commands.split("python decaying.py digest")
+    shell(run.replace("--output decaying", "--engine reference --output again"), tmp_path)
+    (again,) = read_record(tmp_path / "again.parquet").seeds
+    assert (again.engine, again.digest) == ("reference", record.seeds[0].digest)
 
 
 @pytest.mark.slow
 def test_a_rule_in_the_repository(tmp_path: Path) -> None:
-    for part in ("neol", "config"):
-        shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
+    copy_repository(tmp_path)
     (script,) = blocks("add-a-rule.md", "python")
     (function,) = re.findall(r"^@neol\.(rule\ndef .*?)^$", script, re.MULTILINE | re.DOTALL)
     digest = "python -c 'from neol.kernel import source_digest; print(source_digest())'"
@@ -68,3 +77,37 @@ def test_a_rule_in_the_repository(tmp_path: Path) -> None:
     )
     assert shell(asked, tmp_path, tmp_path).count("decaying_hebb") > 4
     assert "decaying_hebb" in (tmp_path / "config" / "schema.json").read_text()
+
+
+@pytest.mark.slow
+def test_a_task_on_the_command_line(tmp_path: Path) -> None:
+    shell(blocks("add-a-task.md", "bash")[0], tmp_path)
+    task = read_record(tmp_path / "acrobot.parquet").spec.task
+    assert (task.environment, task.max_steps) == ("Acrobot-v1", 200)
+
+
+@pytest.mark.slow
+def test_a_task_in_a_budget(tmp_path: Path) -> None:
+    copy_repository(tmp_path)
+    (budget,) = blocks("add-a-task.md", "yaml")
+    (tmp_path / "config" / "swing.yaml").write_text(budget)
+    commands = blocks("add-a-task.md", "bash")[1].replace("snakemake", "snakemake --dry-run")
+    printed = shell(commands, tmp_path, tmp_path)
+    assert "environment: Acrobot-v1" in printed
+    planned = set(re.findall(r"results/swing/\S+\.parquet", printed))
+    assert planned == {
+        "results/swing/acrobot/neat/p008/seeds_000-001.parquet",
+        "results/swing/acrobot/oja/p008_lr0.25/seeds_000-001.parquet",
+    }
+
+
+@pytest.mark.slow
+def test_a_task_of_one_s_own(tmp_path: Path) -> None:
+    (script,) = blocks("add-a-task.md", "python")
+    (tmp_path / "lights.py").write_text(script)
+    command = blocks("add-a-task.md", "bash")[2]
+    *_, line = shell(command, tmp_path).splitlines()
+    record = read_record(tmp_path / "lights.parquet")
+    assert record.seeds[0].held_out.mean is not None and record.seeds[0].held_out.mean > 40
+    again = command.replace("--output lights", "--workers 2 --output again")
+    assert shell(again, tmp_path).splitlines()[-1] == line, "the workers know it too"
