@@ -76,7 +76,7 @@ def _outlook(status: Status) -> str:
     if unknown:
         parts.append(f"what {', '.join(unknown)} will cost is unknown until a run of it is done")
     if not status.of("running"):
-        parts.append("nothing is running")
+        parts.append("nothing is running just now")
     elif status.seconds_left is not None:
         parts.append(f"{duration(status.seconds_left)} at the present rate")
     sentence = "; ".join(parts)
