@@ -1,15 +1,22 @@
-"""The numbers of docs/scaling.md: core-hours of the paper's full budget, by task."""
+"""The numbers of docs/scaling.md; `python -m benchmarks.scaling desk` prints those of a budget."""
 
-from collections.abc import Mapping
+import heapq
+import sys
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from benchmarks.table import NEAT_POPULATION, TITLES, Table, markdown, number
+from benchmarks.cost import Get, neat_seconds, run_seconds, shipped
+from benchmarks.table import TITLES, Table, markdown, number
 from neol.analysis.reference import settings
-from neol.spec import Configuration, load_configuration
+from neol.campaign import Block, blocks, run_specs
+from neol.errors import UserError
+from neol.records import read_record
+from neol.spec import ROOT, RunSpec, load_configuration
 
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
-LIKE = {"neat": "neat", "neat_wo": "hebb", "hebb": "hebb", "oja": "hebb", "bcm": "hebb"}
-"""The method whose short runs stand for a method's evaluations."""
+CORES = (1, 8, 64, 512)
+HOUR = 3600
 
 
 def replace_generated(text: str, generated: str) -> str:
@@ -21,12 +28,77 @@ def replace_generated(text: str, generated: str) -> str:
 
 
 def scaling(table: Table, about: Mapping[str, str]) -> str:
-    """What was measured, and what it comes to."""
-    configuration = load_configuration("paper")
+    """What was measured, what the paper's budget comes to, and the demo's beside its records."""
+    where = f"{about['CPU']}, {about['Date']} ({about['Run']})"
+    parts = [f"On {where}:\n", _measured(table), prediction(table.get, "paper")]
+    return "\n".join(parts) + "\n" + comparison(table.get, "demo")
+
+
+def prediction(get: Get, budget: str) -> str:
+    """What a budget costs: by task, by run, and in days."""
+    jobs = _jobs(get, budget)
+    return f"{_core_hours(jobs)}\n{_runs(jobs)}\n{_wall(jobs)}"
+
+
+def comparison(get: Get, budget: str) -> str:
+    """The prediction for those of a budget's blocks that have a record, beside what these say."""
+    parts = []
+    for job in _jobs(get, budget):
+        path = ROOT / job.block.record
+        if path.exists():
+            spent = sum(info.cpu_seconds for info in read_record(path, job.spec).seeds)
+            parts.append((job.spec.task.name, (job.runs, job.seconds, spent)))
+    rows = [
+        [task, f"{runs:,.0f}", *map(number, (predicted / 60, spent / 60, spent / predicted))]
+        for task, (runs, predicted, spent) in _sums(parts)
+    ]
+    header = (f"core-minutes of `{budget}`", "runs", "predicted", "in its records", "ratio")
+    return markdown(header, rows)
+
+
+@dataclass(frozen=True)
+class Job:
+    """A block and its first run; times are core-seconds of the block."""
+
+    block: Block
+    spec: RunSpec
+    seconds: float
+    longest: float
+    """Where every episode goes on to the task's limit."""
+
+    @property
+    def runs(self) -> int:
+        return len(self.block.seeds)
+
+
+def _jobs(get: Get, budget: str) -> list[Job]:
+    """Those of a budget whose tasks were measured."""
+    configuration = load_configuration(budget)
+    found = []
+    for block in blocks(configuration):
+        spec, runs = run_specs(configuration, block)[0], len(block.seeds)
+        usual, longest = run_seconds(spec, get), run_seconds(spec, get, to_the_limit=True)
+        if usual is not None and longest is not None:
+            found.append(Job(block, spec, runs * usual, runs * longest))
+    return found
+
+
+def _sums(parts: Iterable[tuple[str, Sequence[float]]]) -> list[tuple[str, list[float]]]:
+    """Sums by task, under the task's title, and over all."""
+    sums: dict[str, list[float]] = {}
+    for task, values in parts:
+        before = sums.get(TITLES[task], [0.0] * len(values))
+        sums[TITLES[task]] = [old + new for old, new in zip(before, values, strict=True)]
+    whole = [sum(column) for column in zip(*sums.values(), strict=True)]
+    return [*sums.items(), ("all", whole)] if sums else []
+
+
+def _measured(table: Table) -> str:
+    tasks = load_configuration("paper").tasks
     header = ["measured", "G", "µs a step: Hebb", "NEAT", "steps of an evaluation: Hebb", "NEAT"]
     header += ["in the last third: Hebb", "NEAT", "limit", "NEAT's µs of an evaluation"]
     names = ("short_run", "short_run_steps", "short_run_late_steps")
-    measured = [
+    rows = [
         [
             TITLES[task],
             number(table.get("short_run_generations", task)),
@@ -35,64 +107,76 @@ def scaling(table: Table, about: Mapping[str, str]) -> str:
                 for name in names
                 for method in ("hebb", "neat")
             ),
-            number(configuration.tasks[task].max_steps),
-            number(_neat_cost(table, task)),
+            number(tasks[task].max_steps),
+            number(neat_seconds(table.get, task) * 1e6),
         ]
         for task in table.tasks
     ]
-    hours = [_hours(table, task, configuration) for task in table.tasks]
-    rows = [[TITLES[task], *h.row()] for task, h in zip(table.tasks, hours, strict=True)]
-    rows.append(["all", *sum(hours, Hours()).row()])
-    where = f"{about['CPU']}, {about['Date']} ({about['Run']})"
-    columns = ["core-hours", "million evaluations", "if as measured"]
-    columns += ["if every episode ran to its limit", "Table 1 alone, if as measured"]
-    return f"On {where}:\n\n{markdown(header, measured)}\n{markdown(columns, rows)}"
+    return markdown(header, rows)
 
 
-@dataclass(frozen=True)
-class Hours:
-    """Core-hours of a task's runs."""
-
-    evaluations: float = 0.0
-    measured: float = 0.0
-    limit: float = 0.0
-    table_1: float = 0.0
-
-    def __add__(self, other: "Hours") -> "Hours":
-        return Hours(
-            self.evaluations + other.evaluations,
-            self.measured + other.measured,
-            self.limit + other.limit,
-            self.table_1 + other.table_1,
-        )
-
-    def row(self) -> list[str]:
-        hours = (self.measured, self.limit, self.table_1)
-        return [f"{self.evaluations / 1e6:,.1f}", *(number(value) for value in hours)]
+def _core_hours(jobs: Iterable[Job]) -> str:
+    """Million evaluations and core-hours by task; the runs of Table 1 are those of Table 3."""
+    chosen = {(*key, *setting) for key, setting in settings(3).items()}
+    parts = []
+    for job in jobs:
+        spec, cell = job.spec, job.block.cell
+        shown = (cell.task, cell.method, cell.population, cell.learning_rate) in chosen
+        evaluations = job.runs * spec.generations * spec.population * spec.evaluation.episodes
+        parts.append((cell.task, (evaluations, job.seconds, job.longest, shown * job.seconds)))
+    rows = [
+        [task, f"{evaluations / 1e6:,.1f}", *(number(value / HOUR) for value in seconds)]
+        for task, (evaluations, *seconds) in _sums(parts)
+    ]
+    header = ["core-hours", "million evaluations", "if as measured"]
+    header += ["if every episode ran to its limit", "Table 1 alone, if as measured"]
+    return markdown(header, rows)
 
 
-def _hours(table: Table, task: str, configuration: Configuration) -> Hours:
-    budget = configuration.budget
-    total = Hours()
-    for method in budget.methods:
-        step = table.get("short_run", task, LIKE[method]) or 0.0
-        steps = table.get("short_run_late_steps", task, LIKE[method]) or 0.0
-        hour = 3600e6  # of microseconds
-        usual = (steps * step + _neat_cost(table, task)) / hour
-        longest = (configuration.tasks[task].max_steps * step + _neat_cost(table, task)) / hour
-        rates = 1 if configuration.methods[method].rule == "none" else len(budget.learning_rates)
-        runs_of_a_genome = budget.generations * budget.seeds
-        evaluations = runs_of_a_genome * sum(budget.populations) * rates
-        population, _ = settings(3).get((task, method), (0, None))
-        total += Hours(
-            evaluations,
-            evaluations * usual,
-            evaluations * longest,
-            runs_of_a_genome * population * usual,
-        )
-    return total
+def _runs(jobs: Iterable[Job]) -> str:
+    """Minutes of one run by task, method and P, and hours of the longest block."""
+    minutes: dict[tuple[str, str], dict[int, float]] = defaultdict(dict)
+    block: dict[tuple[str, str], tuple[float, float, int]] = {}
+    for job in jobs:
+        key = (job.spec.task.name, "NEAT" if job.spec.method == "neat" else "a rule, NEAT (w/o)")
+        minutes[key][job.spec.population] = job.seconds / job.runs / 60
+        longest = (job.seconds / HOUR, job.longest / HOUR, job.runs)
+        block[key] = max(block.get(key, longest), longest)
+    populations = sorted({population for found in minutes.values() for population in found})
+    rows = [
+        [
+            f"{TITLES[task]}, {method}",
+            *(number(found[population]) for population in populations),
+            str(block[task, method][2]),
+            *(number(hours) for hours in block[task, method][:2]),
+        ]
+        for (task, method), found in minutes.items()
+    ]
+    header = ["minutes of one run", *(f"P = {population}" for population in populations)]
+    header += ["runs of a job", "hours of the longest job", "at the limit of steps"]
+    return markdown(header, rows)
 
 
-def _neat_cost(table: Table, task: str) -> float:
-    """Microseconds of NEAT for an evaluation, of a population grown for 200 generations."""
-    return (table.get("neat_generation", task) or 0.0) * 1e3 / NEAT_POPULATION
+def _wall(jobs: Sequence[Job]) -> str:
+    """Days on so many cores, each of which takes the next job when it has done one."""
+    usual, longest = [job.seconds for job in jobs], [job.longest for job in jobs]
+    rows = [
+        [f"{cores:,}", number(_days(usual, cores)), number(_days(longest, cores))]
+        for cores in CORES
+    ]
+    return markdown(("cores", "days, if as measured", "if every episode ran to its limit"), rows)
+
+
+def _days(jobs: Iterable[float], cores: int) -> float:
+    free = [0.0] * cores
+    for seconds in jobs:
+        heapq.heapreplace(free, free[0] + seconds)
+    return max(free) / 24 / HOUR
+
+
+if __name__ == "__main__":
+    name = sys.argv[1] if len(sys.argv) == 2 else "paper"
+    try:
+        print(f"{prediction(shipped, name)}\n{comparison(shipped, name)}")
+    except UserError as error:
+        sys.exit(f"neol: {error}")
