@@ -259,7 +259,7 @@ class Status:
 
     @cached_property
     def rows(self) -> list[Row]:
-        """The table: tasks and methods in the order of the budget, each task's sensitivity last."""
+        """The table: tasks and methods in the order of the budget, its sensitivity study last."""
         groups: dict[tuple[str, str], list[Standing]] = {}
         for standing in self.standings:
             groups.setdefault((standing.job.spec.task.name, standing.job.part), []).append(standing)

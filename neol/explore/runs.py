@@ -1,6 +1,6 @@
 """Which runs there are: those of every record below a folder."""
 
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 
 import pandas as pd
@@ -22,9 +22,9 @@ def find_records(results: Path) -> list[str]:
     return found
 
 
-@cache
+@lru_cache(maxsize=64)
 def load_record(path: Path) -> Record:
-    """A record, read and verified once. Raises UserError."""
+    """A record, read and verified; the latest stay in memory. Raises UserError."""
     return read_record(path)
 
 
