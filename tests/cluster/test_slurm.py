@@ -1,0 +1,180 @@
+"""The campaign on a real Slurm: the same bits as here, and nothing lost whatever ends a job.
+
+A part of it in every run; the whole smoke budget and a walltime, some minutes on two idle cores,
+by `NEOL_CLUSTER=whole pytest tests/cluster`.
+"""
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing, suppress
+from pathlib import Path
+
+import pytest
+import yaml
+
+from neol.campaign import Block, blocks, run_specs
+from neol.checkpoint import load
+from neol.errors import UserError
+from neol.records import read_record
+from neol.rollout import make_engine
+from neol.run import partial_folder, run_seed
+from neol.spec import Configuration, load_configuration
+from tests.cluster.slurm import missing, slurm
+from tests.workflow.clone import fresh_clone
+
+WHOLE = os.environ.get("NEOL_CLUSTER") == "whole"
+LACKS = missing()
+if importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:
+    LACKS.append("snakemake-executor-plugin-slurm")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(bool(LACKS), reason=f"no {', '.join(LACKS)}: tests/cluster/install"),
+]
+
+LONG = [
+    "budget.tasks=[lunar_lander]",
+    "budget.methods=[hebb, neat]",
+    "budget.populations=[50]",
+    "budget.learning_rates=[2.5e-3]",
+    "budget.seeds=1",
+    f"budget.generations={600 if WHOLE else 120}",
+    "tasks.lunar_lander.max_steps=1000",
+]
+"""Changes that make of the smoke budget two runs, long enough to be ended in the middle."""
+
+SMOKE = load_configuration("smoke")
+Environment = dict[str, str]
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Environment]:
+    with slurm() as environment:
+        yield environment
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return fresh_clone(tmp_path_factory.mktemp("cluster") / "neol")
+
+
+def submit(
+    clone: Path, cluster: Environment, *arguments: str, extra: str = "--signal=TERM@30"
+) -> subprocess.Popen[str]:
+    """Start the workflow of a clone on the cluster; it asks often how its jobs are."""
+    command = [sys.executable, "-m", "snakemake", "--profile", "profiles/slurm", *arguments]
+    command += ["--default-resources", "runtime=60", f"slurm_extra='{extra}'"]
+    command += ["--latency-wait", "5"]
+    command += ["--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks=1"]
+    return subprocess.Popen(
+        command,
+        cwd=clone,
+        env=cluster | {"PYTHONPATH": str(clone)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def succeeds(workflow: subprocess.Popen[str]) -> str:
+    """What a workflow has said when it is done."""
+    said, _ = workflow.communicate()
+    assert workflow.returncode == 0, said
+    return said
+
+
+def different(clone: Path, configuration: Configuration, some: list[Block]) -> list[str]:
+    """The runs of the clone's records whose trajectory is not that of the same run made here."""
+    found = []
+    for block in some:
+        specs = run_specs(configuration, block)
+        with closing(make_engine(specs[0].task)) as engine:
+            for spec, info in zip(specs, read_record(clone / block.record).seeds, strict=True):
+                if info.digest != run_seed(spec, engine).digest:
+                    found.append(f"{block.record} seed {spec.seed}")
+    return found
+
+
+def sample() -> list[Block]:
+    """A block of each task and of each method."""
+    chosen = {block.cell.task: block for block in reversed(blocks(SMOKE))}
+    chosen |= {block.cell.method: block for block in reversed(blocks(SMOKE))}
+    return list(dict.fromkeys(chosen.values()))
+
+
+def test_a_campaign_has_the_same_digests_as_here(clone: Path, cluster: Environment) -> None:
+    some = blocks(SMOKE) if WHOLE else sample()
+    succeeds(submit(clone, cluster, *(str(block.record) for block in some)))
+    assert different(clone, SMOKE, some) == []
+    left = [path for path in (clone / "results" / "smoke").rglob("*") if path.is_file()]
+    assert sorted(left) == sorted(clone / block.record for block in some)
+
+
+class Watch:
+    """How far the blocks of a campaign are, by the checkpoints that they keep."""
+
+    def __init__(self, clone: Path) -> None:
+        self.configuration = _long_budget(clone)
+        self.blocks = blocks(self.configuration)
+        self.clone = clone
+        self.seen: dict[tuple[Path, int], list[int]] = {}
+        """By block and seed: the generations that its checkpoint was seen at."""
+
+    def look(self) -> None:
+        for block in self.blocks:
+            folder = partial_folder(self.clone / block.record)
+            for spec in run_specs(self.configuration, block):
+                path = folder / f"seed_{spec.seed:06}.npz"
+                with suppress(UserError):  # not there, or no longer
+                    evolution, _ = load(path, spec)
+                    self.seen.setdefault((block.record, spec.seed), []).append(evolution.generation)
+
+    def until(self, workflow: subprocess.Popen[str], true: Callable[[], bool]) -> None:
+        while workflow.poll() is None and not true():
+            self.look()
+            time.sleep(0.3)
+
+    def never_back(self) -> bool:
+        return all(seen == sorted(seen) for seen in self.seen.values())
+
+
+def _long_budget(clone: Path) -> Configuration:
+    """Give the clone a budget of long runs, and no records of it."""
+    configuration = load_configuration("smoke", LONG)
+    content = configuration.model_dump(mode="json", include={"budget", "tasks", "evaluation"})
+    for named in (content["budget"], *content["tasks"].values()):
+        del named["name"]
+    (clone / "config" / "long.yaml").write_text(yaml.safe_dump(content))
+    shutil.rmtree(clone / "results" / "long", ignore_errors=True)
+    budget = configuration.budget.model_copy(update={"name": "long"})
+    return configuration.model_copy(update={"budget": budget})
+
+
+def test_nothing_is_lost_when_running_jobs_are_cancelled(clone: Path, cluster: Environment) -> None:
+    watch = Watch(clone)
+    workflow = submit(clone, cluster, "records", "--config", "budget=long")
+    watch.until(workflow, lambda: len(watch.seen) == len(watch.blocks))
+    subprocess.run(["scancel", "--state=RUNNING", "--me"], env=cluster, check=True)
+    watch.until(workflow, lambda: False)
+    said = succeeds(workflow)
+    assert said.count("Trying to restart job") == len(watch.blocks)
+    assert watch.never_back(), watch.seen
+    assert different(clone, watch.configuration, watch.blocks) == []
+
+
+@pytest.mark.skipif(not WHOLE, reason="minutes: NEOL_CLUSTER=whole")
+def test_a_job_that_hits_its_walltime_goes_on(clone: Path, cluster: Environment) -> None:
+    watch = Watch(clone)
+    limit = ("--set-resources", "run:runtime=1")
+    workflow = submit(
+        clone, cluster, "records", "--config", "budget=long", *limit, extra="--signal=TERM@20"
+    )
+    watch.until(workflow, lambda: False)
+    said = succeeds(workflow)
+    assert said.count("Trying to restart job") >= len(watch.blocks)
+    assert watch.never_back(), watch.seen
+    assert different(clone, watch.configuration, watch.blocks) == []
