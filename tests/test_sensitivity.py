@@ -5,13 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from neol import sensitivity as module
 from neol.analysis.sensitivity import sensitivity
 from neol.errors import UserError
-from neol.records import join, write_record
 from neol.sensitivity import BASELINE, STUDY, trials, variants
 from neol.spec import budgets, load_configuration
-from tests.analysis.made_up import run
+from tests.analysis.made_up import write_trials
 
 SMOKE = load_configuration("smoke")
 
@@ -64,14 +62,7 @@ def test_an_unknown_variant_is_refused() -> None:
 
 def test_the_effect_of_a_variant(tmp_path: Path) -> None:
     """With ReLU every run ends 10 higher; nothing else was run."""
-    for name, gain in ((BASELINE, 0.0), ("ReLU", 10.0)):
-        for trial in trials(SMOKE, name):
-            path = tmp_path / trial.record.relative_to(module.RESULTS)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            specs = [trial.spec.model_copy(update={"seed": seed}) for seed in trial.seeds]
-            finals = [gain + position for position in range(len(specs))]
-            pairs = zip(specs, finals, strict=True)
-            write_record(path, join([run(spec, "smoke", value) for spec, value in pairs]))
+    write_trials(tmp_path, SMOKE, {BASELINE: 0.0, "ReLU": 10.0})
     table, sources = sensitivity(SMOKE, tmp_path)
     rows = table.set_index(["variant", "task", "method"])
     assert rows.loc[("ReLU", "hopper", "neat"), "a12"] == 1

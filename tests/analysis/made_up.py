@@ -10,6 +10,7 @@ from neol.evolution import Generation
 from neol.neat.genome import initial_genome
 from neol.provenance import provenance
 from neol.records import Champion, HeldOut, Record, SeedInfo, history_table, join, write_record
+from neol.sensitivity import trials
 from neol.spec import Configuration, RunSpec, load_configuration
 
 
@@ -49,6 +50,21 @@ def write_campaign(
         if runs:
             path = results / block.record.relative_to(RESULTS)
             path.parent.mkdir(parents=True, exist_ok=True)
+            write_record(path, join(runs))
+
+
+def write_trials(results: Path, configuration: Configuration, gains: Mapping[str, float]) -> None:
+    """Write the sensitivity study's records for some variants.
+
+    The seeds of each end at 0, 1, ... and the variant's gain more.
+    """
+    for name, gain in gains.items():
+        for trial in trials(configuration, name):
+            path = results / trial.record.relative_to(RESULTS)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            specs = [trial.spec.model_copy(update={"seed": seed}) for seed in trial.seeds]
+            budget = configuration.budget.name
+            runs = [run(spec, budget, gain + place) for place, spec in enumerate(specs)]
             write_record(path, join(runs))
 
 
