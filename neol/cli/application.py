@@ -55,7 +55,8 @@ class Commands(TyperGroup):
             complain(str(error))
             status = 2
         except typer.TyperException as error:
-            complain(f"{error.format_message()} (neol COMMAND --help says more)")
+            message = " ".join(error.format_message().split())
+            complain(f"{message} (neol COMMAND --help says more)")
             status = error.exit_code
         sys.exit(status or 0)
 

@@ -5,14 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from neol.cli.application import app, complain, examples
+from neol.cli.application import DISAGREES, app, complain, examples
 from neol.errors import UserError
 
 if TYPE_CHECKING:
     from neol.champions.player import Player
 
-DOES_NOT_AGREE = 3
-"""Exit code of a replay that differs from its record."""
 PIPED_WIDTH = 10_000
 """Characters; no line is broken for a reader who is no terminal."""
 
@@ -37,7 +35,7 @@ def replay(
     gif: Annotated[Path | None, typer.Option(help="Film the first one into this file.")] = None,
     human: Annotated[bool, typer.Option("--human", help="Watch them in a window.")] = False,
 ) -> None:
-    """Play a champion's held-out episodes again, and film one."""
+    """Play a champion's held-out episodes again, compare with the record, film one."""
     from neol.champions.film import film, need_display
     from neol.champions.player import load_champion
     from neol.files import write_atomically
@@ -73,7 +71,7 @@ def replay(
             f"{record}: does not agree in episode {', '.join(differing)} of seed {seed}; "
             "neol verify RECORD --replay-champions 1 says why"
         )
-        raise typer.Exit(DOES_NOT_AGREE)
+        raise typer.Exit(DISAGREES)
 
 
 @app.command(
@@ -169,6 +167,7 @@ def export(
     from neol.champions.player import load_champion
     from neol.files import write_atomically
 
+    _check_folder(output)
     write = {"json": to_json, "onnx": to_onnx, "python": to_python}[kind]
     player = load_champion(record, seed)
     write_atomically(output, write(player))

@@ -1,0 +1,90 @@
+"""Records side by side."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from neol.analysis.comparison import contestants, differences, learning_curves, outcomes
+from neol.analysis.score import samples, score
+from neol.campaign import cells
+from neol.errors import UserError
+from neol.spec import load_configuration
+from tests.analysis.made_up import configuration, write_campaign
+
+FINAL = {"bcm": [10.0, 20.0, 60.0], "neat": [1.0, 2.0, 6.0]}
+
+
+def written(tmp_path: Path, generations: int) -> list[Path]:
+    """Folders of BCM and NEAT on CartPole, P = 6, with a block of three seeds."""
+    smoke = configuration(generations=generations)
+    chosen = {
+        method: next(
+            cell for cell in cells(smoke) if cell.method == method and cell.population == 6
+        )
+        for method in FINAL
+    }
+    write_campaign(tmp_path, smoke, {chosen[method]: FINAL[method] for method in FINAL})
+    return [next((tmp_path / "smoke").rglob(f"{method}/p006*")) for method in FINAL]
+
+
+@pytest.fixture
+def paths(tmp_path: Path) -> list[Path]:
+    return written(tmp_path, generations=2)
+
+
+def test_outcomes_are_means_over_seeds_with_intervals(paths: list[Path]) -> None:
+    rows = outcomes(contestants(paths))
+    assert rows["runs"] == ["3", "3"]
+    low, high = stats.t.interval(0.95, 2, loc=30.0, scale=stats.sem(FINAL["bcm"]))
+    assert rows["final best fitness"][0] == f"30.0 [{low:.1f}, {high:.1f}]"
+    assert rows["held-out return"][0] == f"29.0 [{low - 1:.1f}, {high - 1:.1f}]"
+
+
+def test_score_is_that_of_the_budget(paths: list[Path], tmp_path: Path) -> None:
+    assert "SCORE" not in outcomes(contestants(paths)), "not as many generations as the budget"
+    budget = load_configuration("smoke").budget
+    whole = contestants(written(tmp_path / "whole", budget.generations))
+    divisor = samples(budget.generations, max(budget.populations))
+    scores = [score([end + 2, end + 1, end], 6, divisor) for end in FINAL["neat"]]
+    assert outcomes(whole)["SCORE"][1].startswith(f"{np.mean(scores):.3f} [")
+
+
+def test_only_what_differs_is_named(paths: list[Path]) -> None:
+    found = differences(contestants(paths))
+    assert found["method"] == ["bcm", "neat"]
+    assert set(found) == {
+        "method", "plasticity.rule", "plasticity.learning_rate", "neat.weight_mutation"
+    }  # fmt: skip
+    assert differences(contestants([paths[0], paths[0]])) == {}
+
+
+def test_curves_are_means_over_seeds(paths: list[Path]) -> None:
+    (axes,) = learning_curves(contestants(paths)).axes
+    bcm, neat = axes.lines
+    assert bcm.get_ydata().tolist() == [31.0, 30.0]
+    assert neat.get_ydata().tolist() == [4.0, 3.0]
+    assert bcm.get_label().startswith("A: BCM, P = 6, η = ")
+    assert neat.get_label() == "B: NEAT, P = 6"
+    assert bcm.get_color() != neat.get_color()
+
+
+def test_contestants_of_one_method_look_different(paths: list[Path]) -> None:
+    lines = learning_curves(contestants([paths[0]] * 8)).axes[0].lines
+    assert len({(line.get_color(), line.get_marker()) for line in lines}) == 8
+
+
+def test_a_folder_must_hold_one_configuration(paths: list[Path], tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="holds no records"):
+        contestants([tmp_path])
+    mixed = tmp_path / "mixed"
+    mixed.mkdir()
+    for number, path in enumerate(paths):
+        (record,) = path.glob("*.parquet")
+        (mixed / f"{number}.parquet").write_bytes(record.read_bytes())
+    with pytest.raises(UserError, match="of several configurations"):
+        contestants([mixed])
+    (mixed / "1.parquet").write_bytes((mixed / "0.parquet").read_bytes())
+    with pytest.raises(UserError, match="hold a seed twice"):
+        contestants([mixed])
