@@ -35,10 +35,13 @@ def load_player(path: Path, seed: int) -> Player:
 
 
 def table_of_runs(results: Path) -> pd.DataFrame:
-    """A row for each run of all records: what it was, what it came to, what it cost."""
+    """A row for each run of all records: what it was, what it came to, what it cost.
+
+    Raises UserError for a record that is damaged, or where there is none.
+    """
     rows = []
     for name in find_records(results):
-        record = load_record(results / name)
+        record = read_record(results / name)
         spec = record.spec
         last = record.table.to_pandas().groupby("seed").last()
         rows += [
