@@ -117,7 +117,7 @@ def check_what_the_paper_does_not_show(folder: Path) -> None:
     shares = {round(float(row["threshold"]), 6): float(row["share"]) for row in profile}
     assert (
         shares[round(113 / 475, 6)] == 2 / 4
-    )  # LunarLander's 111 / 200, BipedalWalker's 111 / 300
+    )  # 111 / 200 and 111 / 300 are above
     equal = bcm("beyond_efficiency", metric="equal_evaluations", population="12")
     assert [float(equal[name]) for name in ("mean", "first", "last")] == [112, 12, 18]
     score = bcm("beyond_efficiency", metric="score", population="12")
