@@ -1,0 +1,167 @@
+"""Verification and replays: what a difference means, draws, manifests. Errors: planted_errors."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from neol.cli import app
+from neol.errors import UserError
+from neol.manifest import NAME, read_manifest, write_manifest
+from neol.verify_replay import (
+    LIBM_DIGEST,
+    Difference,
+    Replay,
+    draw,
+    findings,
+    libm_digest,
+    machine_differences,
+)
+from tests.planted_errors import MADE_BY, OJA, make_campaign
+from tests.test_digests import SAME_LAST_BITS
+from tests.test_records import forge
+
+OTHER = MADE_BY.model_copy(
+    update={"libc": "musl 1.2", "versions": MADE_BY.versions | {"numba": "2"}}
+)
+LAST_BIT = Difference(2, "mean_fitness", 1.0, 1.0000000000000002)
+LARGE = [Difference(2, name, 1.0, 5.0) for name in ("best_fitness", "mean_fitness")]
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("results") / "smoke"
+    make_campaign(folder)
+    return folder
+
+
+def neol(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def replayed(*differences: Difference, made_by: object = MADE_BY, **changes: object) -> Replay:
+    run = Replay((Path("a"), 0), "cartpole", MADE_BY, 2, False, differences)
+    return dataclasses.replace(run, made_by=made_by, **changes)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("replay", "others", "meaning"),
+    [
+        (replayed(*LARGE), [], "edited: this machine has the same versions, CPU and libc"),
+        (replayed(LAST_BIT), [], "edited: this machine has the same"),
+        (
+            replayed(LAST_BIT, made_by=OTHER),
+            [],
+            "this machine computes differently: the last bits differ first, and numba is 2 there "
+            "and 1.0 here, libc is musl 1.2 there and glibc 2.36 here",
+        ),
+        (
+            replayed(*LARGE, made_by=OTHER),
+            [],
+            "edited, or this machine computes differently: numba",
+        ),
+        (
+            replayed(*LARGE, made_by=OTHER),
+            [replayed(made_by=OTHER, run=(Path("b"), 7))],
+            "edited: other runs of cartpole, like seed 7 of b, agree here",
+        ),
+        (replayed(*LARGE, made_by=OTHER, generations=3), [], "edited: generation 3 agrees again"),
+        (
+            replayed(LARGE[0], made_by=OTHER),
+            [],
+            "edited: the other values of this generation agree",
+        ),
+        (
+            replayed(Difference(5, "evaluations", 30, 31), made_by=OTHER),
+            [],
+            "edited: no machine gives another value",
+        ),
+        (
+            replayed(*LARGE, made_by=MADE_BY.model_copy(update={"commit": "fedcba987654"})),
+            [],
+            "edited, or made by other code (commit fedcba9876 there, 0123456789 here): this",
+        ),
+    ],
+)
+def test_what_a_difference_means(
+    replay: Replay, others: list[Replay], meaning: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("neol.verify_replay.provenance", lambda: MADE_BY)
+    monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: LIBM_DIGEST)
+    (finding,) = findings([replay, *others])
+    assert finding.meaning.startswith(meaning)
+
+
+def test_the_same_machine_has_no_differences_though_its_cores_are_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("platform.machine", lambda: "x86_64")
+    monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: LIBM_DIGEST)
+    here = MADE_BY.model_copy(update={"cpu": "64 x some CPU", "host": "there"})
+    assert machine_differences(MADE_BY, here) == ""
+    monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: "")
+    assert machine_differences(MADE_BY, here).startswith("sine or tanh is glibc's")
+
+
+@pytest.mark.skipif(not SAME_LAST_BITS, reason="the digest was made on x86-64 Linux with glibc")
+def test_libm_rounds_as_it_does_where_the_known_digests_come_from() -> None:
+    assert libm_digest() == LIBM_DIGEST
+
+
+def test_draws_are_the_seeds_and_never_repeat() -> None:
+    runs = [(Path(name), seed) for name in "ab" for seed in range(50)]
+    assert draw(runs, 9, 1) == draw(reversed(runs), 9, 1) != draw(runs, 9, 2)
+    assert len(set(draw(runs, 9, 1))) == 9
+    assert draw(runs, 1000, 1) == runs
+
+
+def test_the_manifest_is_the_same_each_time(campaign: Path) -> None:
+    before = (campaign / NAME).read_bytes()
+    (campaign / "x.parquet.partial").mkdir()
+    (campaign / "x.parquet.partial" / "seed_000000.parquet").write_bytes(b"in progress")
+    assert write_manifest(campaign) == read_manifest(campaign)
+    assert (campaign / NAME).read_bytes() == before
+
+
+def test_a_manifest_of_several_budgets_or_of_nothing_is_refused(
+    campaign: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match="holds no records"):
+        write_manifest(tmp_path)
+    for name in ("a.parquet", "b.parquet"):
+        (tmp_path / name).write_bytes((campaign / OJA).read_bytes())
+    forge(tmp_path / "b.parquet", lambda metadata, _: metadata.update(budget="desk"))
+    with pytest.raises(UserError, match=r"b\.parquet: is of budget desk, .*a\.parquet of smoke"):
+        write_manifest(tmp_path)
+
+
+def test_records_alone_need_no_manifest_and_folders_do(campaign: Path, tmp_path: Path) -> None:
+    (tmp_path / "a.parquet").write_bytes((campaign / OJA).read_bytes())
+    alone = neol("verify", tmp_path / "a.parquet")
+    assert (alone.exit_code, alone.stdout) == (0, "1 record of 3 runs checked: all well\n")
+    folder = neol("verify", tmp_path)
+    assert folder.exit_code == 3
+    assert "a.parquet: in no manifest.json" in folder.stdout
+
+
+def test_a_part_of_a_folder_is_checked_against_the_manifest_above(campaign: Path) -> None:
+    part = neol("verify", campaign / "cartpole" / "oja")
+    assert part.stdout == "1 record of 3 runs checked: all well\n"
+
+
+def test_what_was_repeated_is_said_with_the_seed_of_the_draw(campaign: Path) -> None:
+    outcome = neol("verify", campaign, "--replay", 2, "--replay-champions", 1, "--seed", 5)
+    assert outcome.exit_code == 0
+    assert outcome.stdout == (
+        "3 records of 9 runs checked, 2 runs repeated for 3 generations and "
+        "1 champion's episodes repeated (--seed 5): all well\n"
+    )
+    assert "(--seed " in neol("verify", campaign, "--replay", 1).stdout
+
+
+def test_where_there_is_nothing_to_check_the_input_is_wrong(tmp_path: Path) -> None:
+    for path in (tmp_path, tmp_path / "missing"):
+        outcome = neol("verify", path)
+        assert outcome.exit_code == 2
+        assert outcome.stderr.startswith(f"neol: {path}: ")
