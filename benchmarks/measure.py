@@ -57,10 +57,10 @@ class Scale:
 
 
 FULL = {
-    "cartpole": Scale(steps=20_000, run=30, worker_run=20, short_run=100),
-    "lunar_lander": Scale(steps=8_000, run=10, worker_run=5, short_run=100),
-    "hopper": Scale(steps=4_000, run=3, worker_run=1, short_run=12),
-    "bipedal_walker": Scale(steps=4_000, run=2, worker_run=1, short_run=20),
+    "cartpole": Scale(steps=20_000, run=30, worker_run=60, short_run=100),
+    "lunar_lander": Scale(steps=8_000, run=10, worker_run=20, short_run=100),
+    "hopper": Scale(steps=4_000, run=3, worker_run=5, short_run=12),
+    "bipedal_walker": Scale(steps=4_000, run=2, worker_run=2, short_run=20),
 }
 QUICK = {
     "cartpole": Scale(steps=10_000, run=10, worker_run=5, short_run=10),
@@ -260,21 +260,33 @@ def whole_run_contestants(spec: RunSpec, engine: Engine) -> dict[str, Contestant
     return {"ours": ours, "episodes": episodes, "peer": peer}
 
 
-def worker_contestants(spec: RunSpec) -> dict[str, Contestant]:
-    """Wall seconds of a whole run with one worker and with two."""
+def worker_contestant(spec: RunSpec) -> Contestant:
+    """Wall seconds of a run's generations with one worker and with two, one after the other.
 
-    def seconds(engine: Engine) -> float:
-        start = time.perf_counter()
-        run_seed(spec, engine)
-        return time.perf_counter() - start
-
+    And what share of the one worker's CPU time lies outside the engine: that stays one worker's.
+    """
+    size = network_size(spec.task)
     one, two = make_engine(spec.task, "fast", 1), make_engine(spec.task, "fast", 2)
-    for engine in (one, two):
-        run_seed(spec.model_copy(update={"generations": 1}), engine)
-    return {
-        "one_worker": lambda: {"one_worker": seconds(one)},
-        "two_workers": lambda: {"two_workers": seconds(two)},
-    }
+
+    def generations(engine: Engine) -> None:
+        for _ in Evolution.begin(spec, *size).run(engine):
+            pass
+
+    def both() -> Values:
+        measuring = MeasuringEngine(one)
+        start, cpu_start = time.perf_counter(), time.process_time()
+        generations(measuring)
+        seconds, cpu = time.perf_counter() - start, time.process_time() - cpu_start
+        start = time.perf_counter()
+        generations(two)
+        return {
+            "one_worker": seconds,
+            "two_workers": time.perf_counter() - start,
+            "serial_share": 1.0 - measuring.seconds / cpu,
+        }
+
+    both()  # every thread has its simulation
+    return both
 
 
 class NoEnvironment:

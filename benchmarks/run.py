@@ -88,7 +88,7 @@ def _prepare(
     contestants += [("", c) for c in measure.whole_run_contestants(spec, engine).values()]
 
     spec = measure.run_spec_of(task, 100, scale.worker_run)
-    contestants += [("", c) for c in measure.worker_contestants(spec).values()]
+    contestants.append(("", measure.worker_contestant(spec)))
 
     sizes, grown = measure.neat_after(task, 300, 30 if quick else 200, timed=3 if quick else 10)
     for quantity, value in sizes.items():

@@ -86,6 +86,7 @@ def _run_ratios(get: Get) -> dict[str, Array]:
     return {f"share_{part}": share for part, share in shares.items()} | {
         "times_faster": get("peer") / run,
         "two_workers_speedup": get("one_worker") / get("two_workers"),
+        "two_workers_bound": 2.0 / (1.0 + get("serial_share")),  # Amdahl's law
         "neat_share": generation / (generation + episodes),
     }
 

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from benchmarks.table import NEAT_POPULATION, TITLES, Table, number, percent
+from benchmarks.cost import NEAT_POPULATION
+from benchmarks.table import TITLES, Table, number, percent
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ def made_up(task: str) -> dict[Key, list[float]]:
         ("neat_generation", ""): [30.0, 60.0],
         ("one_worker", ""): [1.9, 3.8],
         ("two_workers", ""): [1.0, 2.0],
+        ("serial_share", ""): [0.25, 0.25],
         ("short_run", "hebb"): [20.0],
         ("short_run", "neat"): [20.0],
         ("short_run_late_steps", "hebb"): [180.0],
@@ -46,6 +47,8 @@ def test_ratios_are_taken_within_a_round() -> None:
     assert (ratio["minimum"], ratio["maximum"], ratio["rounds"]) == pytest.approx((1.3, 1.3, 2))
     assert table.loc[("steps_over_physics", "initial"), "median"] == pytest.approx(1.2)
     assert table.loc[("share_environment", ""), "median"] == pytest.approx(0.1)
+    assert table.loc[("two_workers_speedup", ""), "median"] == pytest.approx(1.9)
+    assert table.loc[("two_workers_bound", ""), "median"] == pytest.approx(1 / (0.25 + 0.75 / 2))
     # 30 ms against 300 episodes of 180 steps of 13 microseconds
     share = 0.030 / (0.030 + 300 * 180 * 13e-6)
     assert table.loc[("neat_share", ""), "minimum"] == pytest.approx(share)
