@@ -115,9 +115,7 @@ def check_what_the_paper_does_not_show(folder: Path) -> None:
     assert float(bcm("beyond_aggregates")["iqm"]) == pytest.approx(112 / 3800)
     profile = [row for row in rows(folder / "beyond_profiles.csv") if row["method"] == "bcm"]
     shares = {round(float(row["threshold"]), 6): float(row["share"]) for row in profile}
-    assert (
-        shares[round(113 / 475, 6)] == 2 / 4
-    )  # 111 / 200 and 111 / 300 are above
+    assert shares[round(113 / 475, 6)] == 2 / 4  # 111 / 200 and 111 / 300 are above
     equal = bcm("beyond_efficiency", metric="equal_evaluations", population="12")
     assert [float(equal[name]) for name in ("mean", "first", "last")] == [112, 12, 18]
     score = bcm("beyond_efficiency", metric="score", population="12")
