@@ -32,18 +32,16 @@ class Commands(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """The names of the commands in the help's order."""
-        return [name for names in COMMANDS.values() for name in names if name in self.commands]
+        return [name for names in COMMANDS.values() for name in names]
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each kind of command."""
-        listed = self.list_commands(ctx)
-        width = max(map(len, listed))
+        width = max(map(len, self.list_commands(ctx)))
         for kind, names in COMMANDS.items():
             with formatter.section(kind):
                 formatter.write_dl(
                     (name.ljust(width), self.commands[name].get_short_help_str(LONGEST_SUMMARY))
                     for name in names
-                    if name in listed
                 )
 
     def main(self, *args: Any, **extra: Any) -> NoReturn:

@@ -27,10 +27,10 @@ def _methods(incomplete: str) -> list[str]:
 
 @app.command(
     epilog=examples(
-        "neol run --task cartpole --method neat --population 50 --generations 10 \\",
-        "    --seed 0-4 --output a.parquet",
-        "neol run --task lunar_lander --method oja --population 50 --learning-rate 0.0025 \\",
-        "    --generations 5 --workers 2 --output b.parquet",
+        "neol run --task cartpole --method oja --population 50 --learning-rate 0.0025 \\",
+        "    --generations 10 --seed 0-4 --output a.parquet",
+        "neol run --task lunar_lander --method neat --population 50 --generations 5 \\",
+        "    --workers 2 --output b.parquet",
         "neol run --task gym:Acrobot-v1 --method bcm --population 8 --learning-rate 0.25 \\",
         "    --generations 3 --set evaluation.held_out_episodes=5 --output c.parquet",
     )
