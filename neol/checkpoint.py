@@ -85,19 +85,21 @@ def load(path: Path, spec: RunSpec) -> tuple[Evolution, Cost]:
         meta = json.loads(arrays["meta"].tobytes())
         if meta["format"] != FORMAT:
             raise ValueError(f"its format is {meta['format']!r}, not {FORMAT!r}")
+        key = meta["trajectory_key"]
     except Exception as error:  # whatever a foreign file makes a parser raise
         raise _unusable(path, f"damaged or no checkpoint of neol's: {error}") from None
-    if meta["trajectory_key"] != spec.trajectory_key():
+    if key != spec.trajectory_key():
         raise _unusable(path, "a checkpoint of another run: other constants or another seed")
     try:
         evolution = _unpack(spec, meta, arrays)
+        cost = Cost(float(meta["wall_seconds"]), float(meta["cpu_seconds"]))
     except Exception as error:
         raise _unusable(path, f"damaged: {error}") from None
     if evolution.generation > spec.generations:
         raise _unusable(
             path, f"is at generation {evolution.generation}, {spec.generations} were asked for"
         )
-    return evolution, Cost(meta["wall_seconds"], meta["cpu_seconds"])
+    return evolution, cost
 
 
 def generations(path: Path) -> int:

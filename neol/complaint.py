@@ -48,9 +48,9 @@ def _keys(root: type[BaseModel], loc: tuple[str, ...]) -> list[str]:
     return [key for key in place.model_fields if key != "name"]
 
 
-def hint(word: str, allowed: Iterable[str]) -> str:
+def hint(word: object, allowed: Iterable[str]) -> str:
     """What was perhaps meant, and all that is allowed."""
     allowed = list(allowed)
-    near = difflib.get_close_matches(word, allowed, n=1)
+    near = difflib.get_close_matches(str(word), allowed, n=1)
     meant = f', did you mean "{near[0]}"?' if near else ""
     return f"{meant} (allowed: {', '.join(allowed)})"

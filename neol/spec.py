@@ -128,8 +128,8 @@ class Task(Model):
 
     name: Text
     """Its key under `tasks`; never written in a file."""
-    environment: Text
-    """Gymnasium id."""
+    environment: Annotated[str, Field(pattern="^[^:]+$")]
+    """Gymnasium id, without a module: a file from elsewhere must not have one imported."""
     max_steps: PositiveInt
     """T_max: an episode's limit in environment steps."""
     fresh_world: bool
@@ -454,6 +454,10 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
     import gymnasium
 
     environment = task.removeprefix("gym:")
+    if ":" in environment:
+        raise UserError(
+            f'task "{task}": no module is imported; register the environment and name it'
+        )
     try:
         registered = gymnasium.spec(environment)
         if registered.max_episode_steps is None:  # as for what is gone, which making it tells

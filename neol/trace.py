@@ -44,7 +44,7 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
             yield f"  sha256 {record['sha256']}"
             yield f"  spec   {record['spec']}"
             yield from (f"  seed {seed}: {digest}" for seed, digest in record["runs"].items())
-    except (ValueError, KeyError, TypeError, AttributeError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise UserError(f"{path}: damaged, or not made by this project") from None
 
 

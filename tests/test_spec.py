@@ -130,6 +130,7 @@ def test_any_gymnasium_environment_is_a_task():
         ({"task": "gym:Acrobat-v1"}, 'task "gym:Acrobat-v1": Environment `Acrobat` doesn\'t exist'),
         ({"task": "gym:Blackjack-v1"}, "gym:Blackjack-v1: Gymnasium sets it no limit of steps"),
         ({"task": "gym:Ant-v2"}, 'task "gym:Ant-v2": The mujoco v2 and v3 based environments have'),
+        ({"task": "gym:this:Env-v0"}, 'task "gym:this:Env-v0": no module is imported'),
         ({"task": "gym:"}, 'task "gym:": Malformed environment ID'),
         (
             {"method": "heb"},
@@ -193,6 +194,7 @@ def test_an_unknown_budget(budget):
         ("plasticity.reward_scale=0", "plasticity.reward_scale = 0: must be greater than 0"),
         ("plasticity.reward_scale=1e999", "plasticity.reward_scale = inf: must be a finite"),
         ("plasticity.threshold_rate=2", "plasticity.threshold_rate = 2: must be less than or"),
+        ("tasks.cartpole.environment=this:Env", "tasks.cartpole.environment = 'this:Env'"),
         ("evaluation.episodes=0", "evaluation.episodes = 0: must be greater than or equal to 1"),
         ("evaluation.step_limit=0", "evaluation.step_limit = 0: must be greater than or equal"),
         ("budget.seeds_per_job=0", "budget.seeds_per_job = 0: must be an integer of at least 1"),
