@@ -27,6 +27,8 @@ WITHOUT_THRESHOLD = ("hebb", "oja")
 """Rules whose changes do not depend on it."""
 ROW = 1.25
 """Inches of a plot over time."""
+APART = 0.11
+"""Of its height: how far names at the right of a plot keep from each other."""
 NAMED = 3
 """So many of the weights that change most are named."""
 
@@ -221,20 +223,24 @@ def _name_ends(axes: Axes, x: float, ends: Iterable[tuple[float, str]]) -> None:
     """Write names beside the ends of lines at x, moved apart where they would overlap."""
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top)
-    apart = 0.11 * (top - bottom)
-    lowest = bottom
-    for y, name in sorted(ends):
-        lowest = max(y, lowest)
+    ends = sorted(ends)
+    heights = [(y - bottom) / (top - bottom) for y, _ in ends]
+    for above in range(1, len(ends)):
+        heights[above] = max(heights[above], heights[above - 1] + APART)
+    highest = 1.0
+    for place in reversed(range(len(ends))):
+        heights[place] = highest = min(heights[place], highest)
+        highest -= APART
+    for (y, name), height in zip(ends, heights, strict=True):
         axes.annotate(
             name,
             (x, y),
-            (1.02, (lowest - bottom) / (top - bottom)),
+            (1.02, height),
             textcoords="axes fraction",
             va="center",
             fontsize=6.5,
             arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.4},
         )
-        lowest += apart
 
 
 # --- Names and numbers --------------------------------------------------------------------------

@@ -10,7 +10,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from neol.analysis.style import write_picture
-from neol.champions.drawing import draw_network, network_figure, plasticity_figure, title
+from neol.champions.drawing import (
+    _name_ends,
+    draw_network,
+    network_figure,
+    plasticity_figure,
+    title,
+)
 from neol.champions.graph import graph
 from neol.champions.names import NAMES
 from neol.errors import UserError
@@ -70,14 +76,20 @@ def test_learning_is_drawn_as_it_was(method: str, plots: int, player_of: MakePla
     assert weight.get_xlim() == reward.get_xlim(), "aligned in time"
 
 
-def test_names_of_lines_do_not_overlap(player_of: MakePlayer) -> None:
-    player = player_of("cartpole")
-    figure = plasticity_figure(player, player.play(player.held_out_seeds[0]))
+@pytest.mark.parametrize("ends", [[0.0] * 4, [1.0] * 4, [0.5, 0.52, 1.0, 0.98]])
+def test_names_of_lines_stay_apart_and_inside(ends: list[float]) -> None:
+    figure = Figure(figsize=(7, 1.25), dpi=100)
+    axes = figure.subplots()
+    axes.set_ylim(0, 1)
+    _name_ends(axes, 1.0, [(y, f"name {number}") for number, y in enumerate(ends)])
     figure.draw_without_rendering()
-    for axes in figure.subfigs[1].axes:
-        boxes = [text.get_window_extent() for text in axes.texts]
-        boxes.sort(key=lambda box: box.y0)
-        assert all(upper.y0 > lower.y0 + lower.height / 2 for lower, upper in pairwise(boxes))
+    heights = sorted(text.xyann[1] for text in axes.texts)
+    assert all(above - below > 0.1 for below, above in pairwise(heights))
+    assert heights[0] >= -1e-9
+    assert heights[-1] <= 1 + 1e-9
+    assert [text.get_text() for text in sorted(axes.texts, key=lambda text: text.xyann[1])] == [
+        f"name {number}" for number in np.argsort(ends, kind="stable")
+    ]
 
 
 def test_a_champion_that_does_not_learn_is_refused(player_of: MakePlayer) -> None:

@@ -41,6 +41,8 @@ def test_a_trace_has_every_step(player_of: MakePlayer) -> None:
     assert trace.weights.shape == (steps + 1, len(network.weight))
     assert trace.thresholds.shape == (steps + 1, len(network.bias))
     assert (trace.weights[0] == network.weight).all()
+    assert (trace.thresholds[0] == 0).all()
+    assert (trace.thresholds[1:] > 0).all()
     assert (trace.weights[1:] != trace.weights[:-1]).any(axis=1).all(), "learns in each step"
     assert (trace.actions == trace.activities[:, -network.outputs :].argmax(axis=1)).all()
 
