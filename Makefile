@@ -11,11 +11,13 @@ ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help environment lab test bench lock clean FORCE
+.PHONY: help environment report docs lab test bench lock clean FORCE
 .DELETE_ON_ERROR:
 
 help:
 	@echo 'make figures/table1.tex   a table or figure, from runs to LaTeX (any other file of figures/ alike)'
+	@echo 'make report               everything on one page: figures/report.html'
+	@echo 'make docs                 the documentation as a site: build/site/index.html'
 	@echo 'make lab                  play: opens notebooks/explore.ipynb in JupyterLab'
 	@echo 'make test                 all checks and tests'
 	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
@@ -27,6 +29,12 @@ help:
 figures/%: $(READY) FORCE
 	$(RUN) snakemake $@
 
+report: $(READY)
+	$(RUN) snakemake report
+
+docs: $(READY)
+	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
+
 lab: $(READY)
 	$(RUN) jupyter lab --LabApp.default_url=/lab/tree/notebooks/explore.ipynb \
 	    --FileContentsManager.pre_save_hook=neol.explore.saving.without_outputs
@@ -36,7 +44,8 @@ test: $(READY)
 	$(RUN) ruff format --check
 	$(RUN) mypy
 	$(RUN) snakemake --lint
-	$(RUN) snakefmt --check Snakefile
+	$(RUN) snakefmt --check Snakefile rules
+	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
 	$(RUN) pytest
 
 # The peer, neat-python, is no dependency of the library: it is installed here only.

@@ -41,7 +41,7 @@ def copy_repository(folder: Path) -> None:
     for part in ("neol", "config", "paper", "notebooks"):
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / part, folder / part, ignore=ignored)
-    for part in ("Snakefile", "environment.yml"):
+    for part in ("Snakefile", "rules", "environment.yml"):
         shutil.copy(ROOT / part, folder)
 
 

@@ -1,0 +1,161 @@
+"""What all rules share: the budget, its runs, and what each notebook makes."""
+
+import sys
+from glob import glob
+from pathlib import Path
+
+from benchmarks.cost import walltime_minutes
+from neol.analysis.choice import candidates
+from neol.analysis.labels import HEATMAPS
+from neol.campaign import blocks
+from neol.errors import UserError
+from neol.spec import budgets, load_configuration
+from neol.workflow import clear_stale_locks, jobs, pattern
+
+DEFAULT_BUDGET = "smoke"
+BUDGET = str(config.get("budget", DEFAULT_BUDGET))
+FIGURES = "figures" if BUDGET == DEFAULT_BUDGET else f"figures/{BUDGET}"
+TABLE, FIGURE = ("tex", "csv", "json"), ("pdf", "png", "json")
+CATEGORIES = {
+    "table": "Tables",
+    "figure": "Figures",
+    "claims": "Claims",
+    "beyond": "Beyond the paper",
+}
+DRAWING = {"style", "drawing", "figures", "paper_figures", "beyond_figures"}
+
+# The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
+# `snakemake --lint` asks of each rule.
+shell.prefix(
+    f"set -euo pipefail; export PATH='{Path(sys.executable).parent}':\"$PATH\"; "
+)
+
+if set(config) - {"budget"}:
+    sys.exit(
+        f"neol: --config {min(set(config) - {'budget'})}: unknown key (allowed: budget)"
+    )
+try:
+    CONFIGURATION = load_configuration(BUDGET)
+except UserError as error:
+    sys.exit(f"neol: {error}")
+ALIVE = clear_stale_locks()
+BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
+JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
+REASONS = {path: job.reason() for path, job in JOBS.items()}
+KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
+
+
+def job(wildcards):
+    """The job that makes a record."""
+    path = f"results/{wildcards.record}.parquet"
+    if path not in JOBS:
+        sys.exit(
+            f"neol: {path}: budget {BUDGET} has no such record, {next(iter(JOBS))} is its first"
+        )
+    return JOBS[path]
+
+
+def run_minutes(wildcards):
+    """How long a cluster shall let a job run."""
+    this = job(wildcards)
+    return walltime_minutes(this.spec, len(this.seeds))
+
+
+def shown(*settings):
+    """The records that tables of some settings choose among; of all cells without any."""
+    cells = {
+        cell
+        for setting in settings
+        for among in candidates(CONFIGURATION, setting).values()
+        for cell in among
+    }
+    return [
+        path for path, block in BLOCKS.items() if block.cell in cells or not settings
+    ]
+
+
+def outputs(kinds, *names):
+    """The files of some tables or figures."""
+    return expand(f"{FIGURES}/{{name}}.{{kind}}", name=names, kind=kinds)
+
+
+def code(*, draws):
+    """What a notebook's outputs depend on: a change of drawing makes no table anew."""
+    files = Path("neol/analysis").glob("*.py")
+    return sorted(str(file) for file in files if draws or file.stem not in DRAWING)
+
+
+def ask_otherwise(wildcards):
+    """Refuse what another budget shows, and say what to ask for."""
+    folder, _, name = wildcards.path.rpartition("/")
+    if folder in set(budgets()) - {BUDGET, DEFAULT_BUDGET}:
+        sys.exit(
+            f"neol: figures/{wildcards.path} shows budget {folder}: add --config budget={folder}"
+        )
+    sys.exit(
+        f"neol: figures/{wildcards.path} is no figure of budget {BUDGET}: ask for {FIGURES}/{name}"
+    )
+
+
+heatmaps = [
+    f"figure{number}"
+    for number, (task, _) in HEATMAPS.items()
+    if task in CONFIGURATION.budget.tasks
+]
+# Each notebook: what it makes, the records that it reads, the code that it stands on.
+NOTEBOOKS = {
+    "tables": (
+        outputs(TABLE, "table1", "table3", "table5"),
+        shown("table3"),
+        code(draws=False),
+    ),
+    "efficiency": (
+        outputs(TABLE, "table2", "table6"),
+        shown("score"),
+        code(draws=False),
+    ),
+    "ablation": (
+        outputs(TABLE, "table4", "table7", "table8"),
+        shown("table4", "score"),
+        code(draws=False),
+    ),
+    "convergence": (
+        outputs(FIGURE, "figure2", "figure3"),
+        shown("table3", "table4"),
+        code(draws=True),
+    ),
+    "heatmaps": (outputs(FIGURE, *heatmaps), shown(), code(draws=True)),
+    "claims": (
+        outputs((*TABLE, "md"), "claims"),
+        shown(),
+        [*code(draws=False), "paper/claims.yaml"],
+    ),
+    "beyond": (
+        outputs(
+            (*FIGURE, "csv"),
+            "beyond_effects",
+            "beyond_aggregates",
+            "beyond_profiles",
+            "beyond_efficiency",
+            "beyond_selection",
+            "beyond_sensitivity",
+        ),
+        list(JOBS),
+        code(draws=True),
+    ),
+}
+
+
+def made_by(*notebooks):
+    """What some notebooks make."""
+    return [path for notebook in notebooks for path in NOTEBOOKS[notebook][0]]
+
+
+def captioned(path):
+    """A picture or table as `snakemake --report` shows it, with its caption; other files as they are."""
+    name = Path(path).stem
+    if not path.endswith((".png", ".csv")):
+        return path
+    kind = next(kind for kind in CATEGORIES if name.startswith(kind))
+    caption = f"paper/captions/{name}.rst"
+    return report(path, caption=caption, category=CATEGORIES[kind])

@@ -1,0 +1,109 @@
+"""What is told of the results: the page figures/report.html, and the paper paper/reproduction.pdf, which needs LaTeX."""
+
+REPORT = f"{FIGURES}/report.html"
+PAPER = (
+    "paper/reproduction.pdf"
+    if BUDGET == DEFAULT_BUDGET
+    else f"{FIGURES}/reproduction.pdf"
+)
+CHAMPIONS = f"build/{BUDGET}/champions/champions.json"
+PICTURES = [path for path in made_by("convergence", "beyond") if path.endswith(".pdf")]
+NUMBERS = [path for path in made_by(*NOTEBOOKS) if path.endswith((".tex", ".csv"))]
+
+
+rule report:
+    input:
+        REPORT,
+
+
+rule showcase:
+    input:
+        code=sorted(glob("neol/champions/*.py")) + ["neol/report/showcase.py"],
+        records=shown("table3"),
+    output:
+        CHAMPIONS,
+    log:
+        f"logs/{BUDGET}/showcase.log",
+    benchmark:
+        f"logs/{BUDGET}/showcase.tsv"
+    conda:
+        "../environment.yml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        budget=BUDGET,
+        folder=lambda wildcards, output: Path(output[0]).parent,
+    shell:
+        "python -m neol.report.showcase {params.budget} {params.folder} > {log} 2>&1"
+
+
+rule report_page:
+    input:
+        champions=CHAMPIONS,
+        shown=made_by(*NOTEBOOKS),
+        captions=sorted(glob("paper/captions/*.rst")),
+        assumptions="docs/assumptions.md",
+        metadata="pyproject.toml",
+        code=sorted(glob("neol/report/*")),
+    output:
+        REPORT,
+    log:
+        f"logs/{BUDGET}/report.log",
+    benchmark:
+        f"logs/{BUDGET}/report.tsv"
+    conda:
+        "../environment.yml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        budget=BUDGET,
+        figures=lambda wildcards, output: Path(output[0]).parent,
+        champions=lambda wildcards, input: Path(input.champions).parent,
+    shell:
+        "python -m neol.report.page {params.budget} {params.figures} {params.champions} {output} > {log} 2>&1"
+
+
+rule paper_numbers:
+    input:
+        shown=NUMBERS,
+        metadata="pyproject.toml",
+        code=["neol/report/numbers.py", "neol/report/costs.py"],
+    output:
+        f"build/{BUDGET}/paper/results.tex",
+    log:
+        f"logs/{BUDGET}/paper_numbers.log",
+    benchmark:
+        f"logs/{BUDGET}/paper_numbers.tsv"
+    conda:
+        "../environment.yml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        budget=BUDGET,
+        figures=lambda wildcards, input: Path(input.shown[0]).parent,
+    shell:
+        "python -m neol.report.numbers {params.budget} {params.figures} {output} > {log} 2>&1"
+
+
+rule paper:
+    input:
+        text="paper/reproduction.tex",
+        numbers=rules.paper_numbers.output,
+        shown=NUMBERS + PICTURES,
+        script="paper/build.sh",
+    output:
+        PAPER,
+    log:
+        f"logs/{BUDGET}/paper.log",
+    benchmark:
+        f"logs/{BUDGET}/paper.tsv"
+    conda:
+        "../environment.yml"
+    threads: 1
+    resources:
+        mem_mb=500,
+    shell:
+        "{input.script} {input.text} {input.numbers} {output} > {log}"
