@@ -38,10 +38,10 @@ def shell(commands: str, folder: Path, package: Path = ROOT) -> str:
 
 def copy_repository(folder: Path) -> None:
     """Copy what the command line and the workflow read."""
-    for part in ("neol", "config", "paper", "notebooks"):
+    for part in ("neol", "config", "paper", "notebooks", "rules"):
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / part, folder / part, ignore=ignored)
-    for part in ("Snakefile", "rules", "environment.yml"):
+    for part in ("Snakefile", "environment.yml"):
         shutil.copy(ROOT / part, folder)
 
 
