@@ -172,3 +172,19 @@ def test_a_window_without_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(variable, raising=False)
     assert "no display to open a window on" in refused("replay a.parquet --human")
+
+
+@pytest.mark.slow
+def test_the_commands_of_the_document_work(tmp_path: Path) -> None:
+    root = Path(cli.__file__).parents[2]
+    text = (root / "docs" / "how-to" / "watch-a-champion.md").read_text(encoding="utf-8")
+    (record,) = re.findall(r"^record=(.+)$", text, re.MULTILINE)
+    commands = re.findall(r"^neol ([^#\n]+)", text, re.MULTILINE)
+    assert len(commands) == 5
+    (tmp_path / "results").symlink_to(root / "results")
+    for command in commands:
+        outcome = neol(command.replace("$record", record))
+        assert outcome.exit_code == 0, outcome.stderr
+    assert {path.name for path in tmp_path.iterdir()} >= {
+        "moon.gif", "network.png", "learning.png", "moon.py"
+    }  # fmt: skip

@@ -11,11 +11,12 @@ import numpy.typing as npt
 import pytest
 
 from neol.champions import export as exports
-from neol.champions.export import Exported, export, to_json, to_python
+from neol.champions.export import Exported, Node, export, to_json, to_python
 from neol.champions.onnx_export import to_onnx
 from neol.champions.player import Player, Trace
 from neol.errors import UserError
 from neol.rollout.reference import make_environment
+from neol.spec import ROOT
 from tests.champions.conftest import MakePlayer
 
 TASKS = ["cartpole", "lunar_lander", "hopper", "bipedal_walker", "gym:Pendulum-v1"]
@@ -145,3 +146,10 @@ def test_bounds_are_finite_and_no_others(
     assert action == {
         "kind": "continuous", "low": (-1.0, 0.5), "high": (1.0, 1.0), "dtype": "float64"
     }  # fmt: skip
+
+
+def test_the_document_names_every_key_of_the_json() -> None:
+    text = (ROOT / "docs" / "how-to" / "watch-a-champion.md").read_text(encoding="utf-8")
+    for model in (Exported, Node):
+        for key in model.model_fields:
+            assert f"`{key}`" in text
