@@ -27,6 +27,9 @@ Run = tuple[Path, int]
 UNROUNDED = ("nodes_mean", "connections_mean", "nodes_best", "connections_best")
 """In the first generation these are the same on every machine; `evaluations` always is."""
 
+TOGETHER = ("best_fitness", "mean_fitness", "sd_fitness", "env_steps")
+"""Another episode shows in several of these, never in one alone."""
+
 
 @dataclass(frozen=True, slots=True)
 class Difference:
@@ -51,7 +54,6 @@ class Replay:
     """A run, or its champion's held-out episodes, repeated."""
 
     run: Run
-    task: str
     made_by: Provenance
     generations: int
     """How many were repeated; 0 for held-out episodes."""
@@ -86,7 +88,7 @@ def replay(run: Run, generations: int) -> Replay:
         new_champion = Champion.of(evolution.champion())
         for name, old in info.champion:
             differences += _compare(None, f"champion.{name}", old, getattr(new_champion, name))
-    return Replay(run, spec.task.name, info.provenance, generations, complete, tuple(differences))
+    return Replay(run, info.provenance, generations, complete, tuple(differences))
 
 
 def replay_champion(run: Run) -> Replay:
@@ -98,7 +100,7 @@ def replay_champion(run: Run) -> Replay:
     with contextlib.closing(make_engine(spec.task)) as engine:
         again = HeldOut.of(evolution.held_out_returns(engine))
     differences = _compare(None, "held_out.returns", info.held_out.returns, again.returns)
-    return Replay(run, spec.task.name, info.provenance, 0, False, tuple(differences))
+    return Replay(run, info.provenance, 0, False, tuple(differences))
 
 
 def _read(run: Run) -> tuple[Record, SeedInfo]:
@@ -120,59 +122,51 @@ def _compare(generation: int | None, column: str, old: object, new: object) -> l
 
 
 def findings(replays: Sequence[Replay]) -> Iterator[Finding]:
-    """The first difference of each replay, and what it means in the light of all of them."""
+    """The first difference of each replay, and what it means."""
     for each in replays:
         if each.differences:
             first = each.differences[0]
             path, seed = each.run
             values = f"{_short(first.stored)} stored, {_short(first.replayed)} replayed"
-            yield Finding(
-                path, _meaning(each, replays), seed, first.generation, first.column, values
-            )
+            yield Finding(path, _meaning(each), seed, first.generation, first.column, values)
 
 
-def _meaning(this: Replay, replays: Sequence[Replay]) -> str:
+def _meaning(this: Replay) -> str:
     if reason := _beyond_machines(this):
         return f"edited: {reason}"
     here = provenance()
     apart = machine_differences(this.made_by, here)
-    if this.differences[0].in_last_bits and apart:
-        return f"this machine computes differently: the last bits differ first, and {apart}"
     code = ""
     if here.dirty or here.commit != this.made_by.commit:
         there = f"{this.made_by.commit}"[:10]
         code = f", or made by other code (commit {there} there, {f'{here.commit}'[:10]} here)"
     if not apart:
         return f"edited{code}: this machine has the same versions, CPU and libc"
-    same = [each for each in replays if (each.task, each.made_by) == (this.task, this.made_by)]
-    if agreeing := [each for each in replays if not each.differences and each in same]:
-        return f"edited{code}: other runs of {this.task}, like {_name(agreeing[0])}, agree here"
+    if this.differences[0].in_last_bits:
+        return f"this machine computes differently: it begins in the last bits, and {apart}"
     return f"edited{code}, or this machine computes differently: {apart}"
 
 
 def _beyond_machines(this: Replay) -> str:
-    """Why no machine that rounds differently explains it; empty where one may."""
+    """Why no machine that rounds differently explains it; empty where one may.
+
+    A run that rounds differently need not stay different: what differs may die out.
+    """
     first = this.differences[0]
     if first.column == "evaluations" or (first.generation == 1 and first.column in UNROUNDED):
         return "no machine gives another value"
     if all(difference.in_last_bits for difference in this.differences):
         return ""
-    columns = {difference.column for difference in this.differences}
-    if this.complete and "digest" not in columns:
+    if this.complete and "digest" not in {difference.column for difference in this.differences}:
         return "the digest of the trajectory agrees"
-    stored, replayed = (
-        [getattr(d, key) for d in this.differences] for key in ("stored", "replayed")
-    )
     if not this.generations:
-        same = sorted(map(str, stored)) == sorted(map(str, replayed))
-        return "these are the right returns in another order" if same else ""
-    if first.generation is None:
-        return ""
-    changed = [difference.generation for difference in this.differences]
-    if changed.count(first.generation) == 1 and not first.in_last_bits:
+        stored = sorted(str(difference.stored) for difference in this.differences)
+        replayed = sorted(str(difference.replayed) for difference in this.differences)
+        return "these are the right returns in another order" if stored == replayed else ""
+    beside = {d.column for d in this.differences if d.generation == first.generation}
+    if len(beside) == 1 and first.column in TOGETHER:
         return "the other values of this generation agree"
-    later = sorted(set(range(first.generation, this.generations + 1)) - set(changed))
-    return f"generation {later[0]} agrees again" if later else ""
+    return ""
 
 
 LIBM_DIGEST = "2a7398a8bf48497879c3200015d97ad060bb59f7381eb3d5c7c0aad22b1bdd6c"
@@ -201,10 +195,6 @@ def machine_differences(there: Provenance, here: Provenance) -> str:
     return ", ".join(
         f"{name} is {old} there and {new} here" for name, (old, new) in pairs.items() if old != new
     )
-
-
-def _name(replay: Replay) -> str:
-    return f"seed {replay.run[1]} of {replay.run[0].name}"
 
 
 def _short(value: object) -> str:
