@@ -70,9 +70,15 @@ def jobs(configuration: Configuration) -> Iterator[Job]:
 
 
 def pattern(records: Iterable[Path]) -> str:
-    """A regular expression that matches these records: their paths below results/, no suffix."""
-    names = (str(record.relative_to(RESULTS).with_suffix("")) for record in records)
-    return "|".join(map(re.escape, names)) or "(?!)"
+    """A regular expression that matches these records: their paths below results/, no suffix.
+
+    By folder: Snakemake tries it on every file, alternative by alternative.
+    """
+    folders: dict[Path, list[str]] = {}
+    for record in records:
+        folders.setdefault(record.relative_to(RESULTS).parent, []).append(re.escape(record.stem))
+    alternatives = (f"{re.escape(str(f))}/(?:{'|'.join(names)})" for f, names in folders.items())
+    return "|".join(alternatives) or "(?!)"
 
 
 def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:
