@@ -69,13 +69,18 @@ def film(player: Player, seed: int, *, plastic_steps: int | None = None) -> Film
 
 def need_display() -> None:
     """Raise UserError where no window can be opened: MuJoCo would abort the process."""
-    if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
+    if not _has_display():
         raise UserError("there is no display to open a window on; --gif films without one")
 
 
+def _has_display() -> bool:
+    return sys.platform != "linux" or bool({"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys())
+
+
 def _choose_backends() -> None:
-    """Let SDL and MuJoCo draw into memory, unless the user has chosen otherwise."""
-    os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+    """Let SDL and MuJoCo draw without a display, unless the user has chosen how."""
+    if not _has_display():
+        os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
     if sys.platform == "linux":
         egl = ctypes.util.find_library("EGL") is not None
         os.environ.setdefault("MUJOCO_GL", "egl" if egl else "osmesa")

@@ -2,6 +2,7 @@
 
 import ctypes.util
 import io
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -90,3 +91,18 @@ def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY")
     with pytest.raises(UserError, match="--gif films without one"):
         need_display()
+
+
+def test_only_without_a_display_is_drawing_kept_off_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else a window that is asked for beside a film would not show."""
+    monkeypatch.setattr(films.sys, "platform", "linux")
+    monkeypatch.delenv("SDL_VIDEODRIVER", raising=False)
+    monkeypatch.setenv("MUJOCO_GL", "osmesa")
+    monkeypatch.setenv("DISPLAY", ":0")
+    films._choose_backends()
+    assert "SDL_VIDEODRIVER" not in os.environ
+    monkeypatch.delenv("DISPLAY")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    films._choose_backends()
+    assert os.environ.pop("SDL_VIDEODRIVER") == "dummy"
+    assert os.environ["MUJOCO_GL"] == "osmesa", "the user's choice stays"
