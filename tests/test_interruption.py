@@ -50,9 +50,11 @@ class Child:
     command: str
     prepare: Prepare = lambda: None
     pid: int = field(init=False)
+    said: int = field(init=False)
+    """The pipe with its standard error."""
 
     def __post_init__(self) -> None:
-        self._said, write = os.pipe()
+        self.said, write = os.pipe()
         self.pid = os.fork()
         if self.pid == 0:
             self._live(write)
@@ -74,7 +76,7 @@ class Child:
 
     def end(self) -> tuple[int, list[str]]:
         """Wait for it: its status, as of subprocess, and the lines on standard error."""
-        with os.fdopen(self._said) as said:
+        with os.fdopen(self.said) as said:
             lines = said.read().splitlines()
         _, status = os.waitpid(self.pid, 0)
         return os.waitstatus_to_exitcode(status), lines
@@ -259,12 +261,10 @@ def test_two_on_the_same_output() -> None:
     assert status == 2
     assert line.startswith("neol: run.parquet.partial: another process is running this; wait")
     second = Child(MANY)
-    time.sleep(0.5)
+    line = os.read(second.said, 1000).decode()
+    assert line == "neol: run.parquet.partial: another process is running this; waiting for it\n"
     os.kill(first.pid, signal.SIGCONT)
-    assert first.end() == (0, [])
-    status, lines = second.end()
-    assert status == 0
-    assert lines == ["neol: run.parquet.partial: another process is running this; waiting for it"]
+    assert first.end() == second.end() == (0, [])
     assert names(Path()) == ["run.parquet"]
     assert result(read_record(Path("run.parquet"))) == expected
 
