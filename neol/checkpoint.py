@@ -176,6 +176,9 @@ def _pack(evolution: Evolution, cost: Cost) -> Arrays:
 
 def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     """The run that the arrays hold; any exception where they do not fit together."""
+    for name in ("inputs", "outputs", *(key for key in meta if key.startswith("next_"))):
+        if type(meta[name]) is not int or not 0 <= meta[name] < 2**62:
+            raise ValueError(f"its {name} is {meta[name]!r}")
     evolution = Evolution.begin(spec, meta["inputs"], meta["outputs"])
     reproduction = evolution.reproduction
     reproduction.next_genome = meta["next_genome"]

@@ -1,6 +1,7 @@
 """Checkpoints: exact, whole or refused."""
 
 import dataclasses
+import json
 from pathlib import Path
 
 import numpy as np
@@ -181,6 +182,18 @@ def test_an_impossible_state_is_refused_though_sealed(
     monkeypatch.setattr(checkpoint, "_pack", planted)
     checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
     with pytest.raises(UserError, match=r"run\.npz: damaged: .*; remove it"):
+        checkpoint.load(tmp_path / "run.npz", run_spec())
+
+
+@pytest.mark.parametrize("value", ["8", 8.0, -1, 2**63, None])
+def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: Path) -> None:
+    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    with np.load(tmp_path / "run.npz") as file:
+        arrays = {name: file[name] for name in file.files if name != "seal"}
+    meta = json.loads(arrays["meta"].tobytes()) | {"next_genome": value}
+    arrays["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
+    np.savez(tmp_path / "run.npz", **arrays, seal=checkpoint._seal(arrays))
+    with pytest.raises(UserError, match=r"run\.npz: damaged: its next_genome is"):
         checkpoint.load(tmp_path / "run.npz", run_spec())
 
 
