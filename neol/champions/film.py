@@ -1,6 +1,7 @@
 """Films of episodes: Gymnasium's own pictures, as an animated GIF."""
 
 import ctypes.util
+import importlib
 import io
 import itertools
 import os
@@ -46,7 +47,7 @@ def film(player: Player, seed: int, *, plastic_steps: int | None = None) -> Film
     """
     _choose_backends()
     task = player.spec.task
-    engine = _drawn(task, lambda: ReferenceEngine(task, "rgb_array"))
+    engine = _drawn(task, lambda: _camera(task))
 
     def picture() -> Image.Image:
         return _drawn(task, lambda: Image.fromarray(engine.render()).reduce(SHRINK))
@@ -86,6 +87,17 @@ def _choose_backends() -> None:
         os.environ.setdefault("MUJOCO_GL", "egl" if egl else "osmesa")
 
 
+def _camera(task: Task) -> ReferenceEngine:
+    if _is_mujoco(task) and "MUJOCO_GL" in os.environ:
+        # Fails where the library is missing; Gymnasium would add a trace of its own.
+        importlib.import_module(f"mujoco.{os.environ['MUJOCO_GL']}")
+    return ReferenceEngine(task, "rgb_array")
+
+
+def _is_mujoco(task: Task) -> bool:
+    return "mujoco" in str(gymnasium.spec(task.environment).entry_point)
+
+
 def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
     """What a function draws, or in one line why it cannot."""
     try:
@@ -93,7 +105,7 @@ def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
     except Exception as error:  # whatever a drawing library raises where another one is missing
         reason = " ".join(str(error).split())[:120]
         remedy = "choose a task that Gymnasium can draw"
-        if "mujoco" in str(gymnasium.spec(task.environment).entry_point):
+        if _is_mujoco(task):
             remedy = (
                 "MuJoCo needs EGL or OSMesa (on Debian: apt install libegl1 libgl1-mesa-dri, or "
                 "libosmesa6), the one that MUJOCO_GL names"
