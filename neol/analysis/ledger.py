@@ -86,7 +86,7 @@ def as_latex(decisions: Sequence[Decision], budget: str) -> str:
         [
             "\\begingroup\\footnotesize",
             "\\begin{longtable}{p{0.38\\linewidth}llcp{0.2\\linewidth}r}",
-            f"  \\caption{{{escape(caption)}}}\\label{{tab:claims}}\\\\",
+            f"  \\caption*{{{escape(caption)}}}\\\\",
             "  \\toprule",
             f"  {head}",
             "  \\midrule\\endhead",
