@@ -9,7 +9,7 @@ import pytest
 from neol.campaign import blocks, cells
 from neol.spec import ROOT, budgets, load_configuration
 
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 CODE_SPAN = re.compile(r"`([^`\n]+)`")
 FUNCTION = re.compile(r"neol(?:\.\w+)+$")
 CONSTANT = re.compile(r"(?:network|plasticity|evaluation|neat)\.(?!py$)\w+$")

@@ -1,0 +1,116 @@
+"""Every code block of the README and the documentation does what it says.
+
+They run page by page, in order, in a fresh clone whose `.venv` is the environment of these tests.
+A block with a title is a file that the blocks after it use. What would take hours is planned only.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from neol.spec import ROOT
+from tests.workflow.clone import fresh_clone
+
+DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+FENCE = re.compile(r"^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE)
+INFO = re.compile(r'(?P<language>bash|python|yaml|text)(?: title="(?P<title>[\w./-]+)")?$')
+
+PLANNED_ONLY = {
+    # sets the environment up anew, tests itself, waits for a person, measures for ten minutes
+    r"\bmake (environment|test|docs|lab|bench|lock)\b": r"make --dry-run \1",
+    r"^snakemake (?=.*budget=(?:desk|paper))(?!.*--dry-run)": "snakemake --dry-run ",
+    r"--profile profiles/slurm": "",
+}
+"""What a command of the documents becomes here."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A code block of a page."""
+
+    language: str
+    title: str | None
+    code: str
+
+    @property
+    def command(self) -> list[str]:
+        """What runs it."""
+        if self.language == "python":
+            return [sys.executable, "-c", self.code]
+        code = self.code.replace("\\\n", " ")
+        for long, short in PLANNED_ONLY.items():
+            code = re.sub(long, short, code, flags=re.MULTILINE)
+        return ["bash", "-euo", "pipefail", "-c", code]
+
+
+def blocks(page: Path) -> list[Block]:
+    """A page's code blocks; each says its language."""
+    found = []
+    for fence in FENCE.finditer(page.read_text(encoding="utf-8")):
+        info = INFO.match(fence["info"].strip())
+        assert info, f"{page.name}: ```{fence['info']} is no bash, python, yaml or text"
+        found.append(Block(info["language"], info["title"], fence["code"]))
+    return found
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A fresh clone that takes this environment for its own."""
+    clone = fresh_clone(tmp_path_factory.mktemp("documents") / "neol")
+    environment = clone / ".venv"
+    environment.mkdir()
+    (environment / "bin").symlink_to(Path(sys.executable).parent)
+    for stamp in (".environment", ".ready"):
+        (environment / stamp).touch()
+    core = next((ROOT / "neol/rollout/box2d").glob("core.*so"), None)
+    if core is not None:
+        shutil.copy2(core, clone / core.relative_to(ROOT))
+    return clone
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "page",
+    [page for page in DOCUMENTS if FENCE.search(page.read_text(encoding="utf-8"))],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
+def test_the_blocks_of_a_page_run(page: Path, clone: Path) -> None:
+    environment = os.environ | {
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": str(clone),
+    }
+    for block in blocks(page):
+        if block.title:
+            (clone / block.title).write_text(block.code, encoding="utf-8")
+        elif block.language in ("bash", "python"):
+            ran = subprocess.run(
+                block.command, cwd=clone, env=environment, capture_output=True, text=True
+            )
+            assert ran.returncode == 0, f"{block.code}\n{ran.stdout[-2000:]}\n{ran.stderr[-2000:]}"
+
+
+@pytest.mark.parametrize("page", DOCUMENTS, ids=lambda page: str(page.relative_to(ROOT)))
+def test_code_is_fenced(page: Path) -> None:
+    """An indented block would escape these tests."""
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    assert not re.search(r"\n\n    \S", text)
+
+
+def test_a_long_command_is_only_planned() -> None:
+    long = Block("bash", None, "snakemake all --config budget=desk \\\n    --cores 8\nmake test\n")
+    assert long.command[-1] == (
+        "snakemake --dry-run all --config budget=desk      --cores 8\nmake --dry-run test\n"
+    )
+
+
+def test_a_language_is_needed(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("```\nls\n```\n")
+    with pytest.raises(AssertionError, match="is no bash"):
+        blocks(page)
