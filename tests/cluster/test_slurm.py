@@ -64,25 +64,26 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def submit(
     clone: Path, cluster: Environment, *arguments: str, extra: str = "--signal=TERM@30"
-) -> subprocess.Popen[str]:
+) -> subprocess.Popen[bytes]:
     """Start the workflow of a clone on the cluster; it asks often how its jobs are."""
     command = [sys.executable, "-m", "snakemake", "--profile", "profiles/slurm", *arguments]
     command += ["--default-resources", "runtime=60", f"slurm_extra='{extra}'"]
     command += ["--latency-wait", "5"]
     command += ["--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks=1"]
-    return subprocess.Popen(
-        command,
-        cwd=clone,
-        env=cluster | {"PYTHONPATH": str(clone)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    with said_by(clone).open("w") as said:  # a pipe that nobody empties would stop it
+        environment = cluster | {"PYTHONPATH": str(clone)}
+        return subprocess.Popen(command, cwd=clone, env=environment, stdout=said, stderr=said)
 
 
-def succeeds(workflow: subprocess.Popen[str]) -> str:
+def said_by(clone: Path) -> Path:
+    """What its last workflow has said."""
+    return clone.with_name("said")
+
+
+def succeeds(workflow: subprocess.Popen[bytes], clone: Path) -> str:
     """What a workflow has said when it is done."""
-    said, _ = workflow.communicate()
+    workflow.wait()
+    said = said_by(clone).read_text()
     assert workflow.returncode == 0, said
     return said
 
@@ -108,7 +109,7 @@ def sample() -> list[Block]:
 
 def test_a_campaign_has_the_same_digests_as_here(clone: Path, cluster: Environment) -> None:
     some = blocks(SMOKE) if WHOLE else sample()
-    succeeds(submit(clone, cluster, *(str(block.record) for block in some)))
+    succeeds(submit(clone, cluster, *(str(block.record) for block in some)), clone)
     assert different(clone, SMOKE, some) == []
     left = [path for path in (clone / "results" / "smoke").rglob("*") if path.is_file()]
     assert sorted(left) == sorted(clone / block.record for block in some)
@@ -133,7 +134,7 @@ class Watch:
                     evolution, _ = load(path, spec)
                     self.seen.setdefault((block.record, spec.seed), []).append(evolution.generation)
 
-    def until(self, workflow: subprocess.Popen[str], true: Callable[[], bool]) -> None:
+    def until(self, workflow: subprocess.Popen[bytes], true: Callable[[], bool]) -> None:
         while workflow.poll() is None and not true():
             self.look()
             time.sleep(0.3)
@@ -160,7 +161,7 @@ def test_nothing_is_lost_when_running_jobs_are_cancelled(clone: Path, cluster: E
     watch.until(workflow, lambda: len(watch.seen) == len(watch.blocks))
     subprocess.run(["scancel", "--state=RUNNING", "--me"], env=cluster, check=True)
     watch.until(workflow, lambda: False)
-    said = succeeds(workflow)
+    said = succeeds(workflow, clone)
     assert said.count("Trying to restart job") == len(watch.blocks)
     assert watch.never_back(), watch.seen
     assert different(clone, watch.configuration, watch.blocks) == []
@@ -174,7 +175,7 @@ def test_a_job_that_hits_its_walltime_goes_on(clone: Path, cluster: Environment)
         clone, cluster, "records", "--config", "budget=long", *limit, extra="--signal=TERM@20"
     )
     watch.until(workflow, lambda: False)
-    said = succeeds(workflow)
+    said = succeeds(workflow, clone)
     assert said.count("Trying to restart job") >= len(watch.blocks)
     assert watch.never_back(), watch.seen
     assert different(clone, watch.configuration, watch.blocks) == []
