@@ -184,6 +184,14 @@ class Record:
         """The specification of one of the runs."""
         return self.spec.model_copy(update={"seed": seed})
 
+    def info(self, seed: int) -> SeedInfo:
+        """What there is of one of the runs. Raises UserError for a seed that is not there."""
+        for info in self.seeds:
+            if info.seed == seed:
+                return info
+        there = ", ".join(str(info.seed) for info in self.seeds)
+        raise UserError(f"has no seed {seed}; it holds {there}")
+
     def rows_of(self, seed: int) -> dict[str, npt.NDArray[Any]]:
         """The columns of one of the runs, a value each generation."""
         mine = _values(self.table, "seed") == seed

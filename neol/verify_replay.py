@@ -106,7 +106,7 @@ def replay_champion(run: Run) -> Replay:
 def _read(run: Run) -> tuple[Record, SeedInfo]:
     path, seed = run
     record = read_record(path)
-    return record, next(info for info in record.seeds if info.seed == seed)
+    return record, record.info(seed)
 
 
 def _compare(generation: int | None, column: str, old: object, new: object) -> list[Difference]:

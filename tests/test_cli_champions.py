@@ -32,13 +32,30 @@ def test_replay_prints_both_returns() -> None:
     assert outcome.exit_code == 0
     player = load_champion("a.parquet", 4)
     title, _, *rows = outcome.stdout.splitlines()
-    assert title == "a.parquet: champion of seed 4, CartPole-v1"
+    champion = "a.parquet: champion of seed 4, CartPole-v1"
+    assert title == f"{champion}, 3 of its 3 held-out episodes"
     assert [row.split()[2:] for row in rows] == [[repr(r)] * 2 for r in player.recorded_returns]
 
 
 def test_replay_begins_where_it_is_told_to() -> None:
     rows = neol("replay a.parquet --first 1 --episodes 1").stdout.splitlines()[2:]
     assert [row.split()[0] for row in rows] == ["1"]
+
+
+def test_replay_says_that_there_are_no_more() -> None:
+    title, _, *rows = neol("replay a.parquet --first 2 --episodes 5").stdout.splitlines()
+    assert title.endswith(", 1 of its 3 held-out episodes")
+    assert len(rows) == 1
+
+
+@pytest.mark.parametrize("command", ["replay", "show", "export --format python --output a.py"])
+def test_a_record_of_another_environment(command: str, tmp_path: Path) -> None:
+    record = read_record(tmp_path / "a.parquet")
+    task = record.spec.task.model_copy(update={"environment": "LunarLander-v3"})
+    foreign = replace(record, spec=record.spec.model_copy(update={"task": task}))
+    write_record(tmp_path / "foreign.parquet", foreign)
+    line = refused(f"{command} foreign.parquet")
+    assert "foreign.parquet: its networks have 4 inputs and 2 outputs, LunarLander-v3 needs" in line
 
 
 @pytest.mark.slow
@@ -147,6 +164,8 @@ def test_the_examples_of_the_help_work(command: str, tmp_path: Path) -> None:
         ("replay a.parquet --first 3", "a.parquet: has no held-out episode 3; they are 0 to 2"),
         ("replay a.parquet --episodes 0", "Invalid value for '--episodes'"),
         ("replay a.parquet --gif no/a.gif", "no/a.gif: there is no folder no; make it first"),
+        ("replay a.parquet --gif a.png", "a.png: films are GIFs; end its name in .gif"),
+        ("replay a.parquet --gif .", ".: is a folder; name a file in it"),
         ("show a.parquet --output a.jpg", "a.jpg: pictures are pdf, png, svg"),
         ("show a.parquet --plasticity --episode 3", "has no held-out episode 3"),
         ("show b.parquet --plasticity", "NEAT does not learn within an episode"),
@@ -159,6 +178,7 @@ def test_the_examples_of_the_help_work(command: str, tmp_path: Path) -> None:
             "'xml' is not one of 'json', 'onnx', 'python'",
         ),
         ("export a.parquet --format json --output no/a", "no/a: there is no folder no"),
+        ("export a.parquet --format json --output .", ".: is a folder; name a file in it"),
     ],
 )
 def test_wrong_input(arguments: str, line: str, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Films of episodes: Gymnasium's own pictures, as an animated GIF."""
 
+import contextlib
 import ctypes.util
 import importlib
 import io
@@ -47,25 +48,23 @@ def film(player: Player, seed: int, *, plastic_steps: int | None = None) -> Film
     """
     _choose_backends()
     task = player.spec.task
-    engine = _drawn(task, lambda: _camera(task))
-
-    def picture() -> Image.Image:
-        return _drawn(task, lambda: Image.fromarray(engine.render()).reduce(SHRINK))
-
-    steps_per_second = engine.steps_per_second
-    stride = max(1, round(steps_per_second / FRAMES_PER_SECOND))
     pictures: list[Image.Image] = []
     steps = itertools.count()
+    with contextlib.closing(_drawn(task, lambda: _camera(task))) as engine:
+        stride = max(1, round(engine.steps_per_second / FRAMES_PER_SECOND))
+        milliseconds = round(1000 * stride / engine.steps_per_second)
 
-    def shoot(_step: Step) -> None:
-        if next(steps) % stride == 0:
-            pictures.append(picture())
+        def shoot() -> None:
+            picture = _drawn(task, lambda: Image.fromarray(engine.render()).reduce(SHRINK))
+            pictures.append(picture)
 
-    trace = player.play(seed, plastic_steps=plastic_steps, engine=engine, observe=shoot)
-    pictures.append(picture())
-    engine.close()
-    gif = _gif(pictures, milliseconds=round(1000 * stride / steps_per_second))
-    return Film(gif, len(pictures), trace)
+        def see(_step: Step) -> None:
+            if next(steps) % stride == 0:
+                shoot()
+
+        trace = player.play(seed, plastic_steps=plastic_steps, engine=engine, observe=see)
+        shoot()
+    return Film(_gif(pictures, milliseconds), len(pictures), trace)
 
 
 def need_display() -> None:

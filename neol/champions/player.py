@@ -1,5 +1,6 @@
 """A champion that plays again: in the episodes of its record, watched step by step."""
 
+import contextlib
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from neol.neat.genome import Genome, Pool, decode
 from neol.network import Networks
 from neol.records import Record, SeedInfo, read_record
 from neol.rollout import make_engine
-from neol.rollout.reference import Observer, ReferenceEngine, Step
+from neol.rollout.reference import Observer, ReferenceEngine, Step, network_size
 from neol.seeding import held_out_seeds
 from neol.spec import RunSpec
 
@@ -79,10 +80,10 @@ class Player:
             if observe is not None:
                 observe(step)
 
-        used = engine or ReferenceEngine(self.spec.task)
-        total = used.watch(self.network, seed, self.spec.plasticity, see, plastic_steps)
-        if engine is None:
-            used.close()
+        with contextlib.ExitStack() as opened:
+            if engine is None:
+                engine = opened.enter_context(contextlib.closing(ReferenceEngine(self.spec.task)))
+            total = engine.watch(self.network, seed, self.spec.plasticity, see, plastic_steps)
         return recorder.trace(total)
 
     def evaluate(self, seeds: npt.ArrayLike) -> Floats:
@@ -94,30 +95,33 @@ class Player:
         inputs, outputs = self.network.inputs, self.network.outputs
         pool = Pool.of([self.genome] * len(column))
         networks, _ = decode(pool, inputs, outputs, self.spec.network)
-        engine = make_engine(self.spec.task)
-        returns: Floats = engine.evaluate(networks, column, self.spec.plasticity).returns[:, 0]
-        engine.close()
+        with contextlib.closing(make_engine(self.spec.task)) as engine:
+            returns: Floats = engine.evaluate(networks, column, self.spec.plasticity).returns[:, 0]
         return returns
 
 
 def load_champion(record: Path | str, seed: int | None = None) -> Player:
     """The champion of one of a record's runs, the first one's where no seed is named.
 
-    Raises UserError for a record that cannot be read or does not hold the seed.
+    Raises UserError for a record that cannot be read, does not hold the seed, or is of another
+    environment than the one of that name here.
     """
     read = read_record(Path(record))
-    if seed is None:
-        return player(read, read.seeds[0])
-    for info in read.seeds:
-        if info.seed == seed:
-            return player(read, info)
-    there = ", ".join(str(info.seed) for info in read.seeds)
-    raise UserError(f"{record}: has no seed {seed}; it holds {there}")
+    try:
+        return _player(read, read.info(read.seeds[0].seed if seed is None else seed))
+    except UserError as error:
+        raise UserError(f"{record}: {error}") from None
 
 
-def player(record: Record, info: SeedInfo) -> Player:
-    """The champion of one run of a record."""
+def _player(record: Record, info: SeedInfo) -> Player:
     spec, genome = record.spec_of(info.seed), info.champion.genome()
+    here = network_size(spec.task)
+    if (info.inputs, info.outputs) != here:
+        raise UserError(
+            f"its networks have {info.inputs} inputs and {info.outputs} outputs, "
+            f"{spec.task.environment} needs {here[0]} and {here[1]}; "
+            "restore it, or install the environment that it was made with"
+        )
     network, _ = decode(Pool.of([genome]), info.inputs, info.outputs, spec.network)
     returns = [math.nan if value is None else value for value in info.held_out.returns]
     return Player(spec, genome, network, tuple(returns))

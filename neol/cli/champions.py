@@ -36,40 +36,36 @@ def replay(
     human: Annotated[bool, typer.Option("--human", help="Watch them in a window.")] = False,
 ) -> None:
     """Play a champion's held-out episodes again, compare with the record, film one."""
-    from neol.champions.film import film, need_display
+    from neol.champions.again import play_again
+    from neol.champions.film import need_display
     from neol.champions.player import load_champion
-    from neol.files import write_atomically
-    from neol.rollout.reference import ReferenceEngine
 
     if gif:
-        _check_folder(gif)
+        _check_output(gif)
+        if gif.suffix.lower() != ".gif":
+            raise UserError(f"{gif}: films are GIFs; end its name in .gif")
     player = load_champion(record, seed)
     _check_episode(record, player, first)
     if human:
         need_display()
-    engine = ReferenceEngine(player.spec.task, "human" if human else None)
-    seed, seeds = player.spec.seed, player.held_out_seeds
-    print(f"{record}: champion of seed {seed}, {player.spec.task.environment}")
+    there = len(player.held_out_seeds)
+    chosen = range(first, min(first + episodes, there))
+    print(
+        f"{record}: champion of seed {player.spec.seed}, {player.spec.task.environment}, "
+        f"{len(chosen)} of its {there} held-out episodes"
+    )
     print(f"{'episode':>7}  {'steps':>6}  {'recorded return':>22}  {'replayed':>22}")
     differing = []
-    for episode in range(first, min(first + episodes, len(seeds))):
-        if gif and episode == first:
-            filmed = film(player, seeds[episode])
-            write_atomically(gif, filmed.gif)
-            trace = filmed.trace
-        else:
-            trace = player.play(seeds[episode], engine=engine)
-        recorded, replayed = player.recorded_returns[episode], trace.episode_return
-        print(f"{episode:>7}  {len(trace):>6}  {recorded!r:>22}  {replayed!r:>22}")
-        if repr(recorded) != repr(replayed):  # which tells every two floats apart, and NaN is NaN
-            differing.append(str(episode))
-    engine.close()
+    for each in play_again(player, chosen, gif=gif, human=human):
+        print(f"{each.episode:>7}  {each.steps:>6}  {each.recorded!r:>22}  {each.replayed!r:>22}")
+        if not each.agrees:
+            differing.append(str(each.episode))
     if gif:
         print(f"{gif}: episode {first} filmed")
     if differing:
         complain(
-            f"{record}: does not agree in episode {', '.join(differing)} of seed {seed}; "
-            "neol verify RECORD --replay-champions 1 says why"
+            f"{record}: does not agree in episode {', '.join(differing)} of seed "
+            f"{player.spec.seed}; neol verify RECORD --replay-champions 1 says why"
         )
         raise typer.Exit(DISAGREES)
 
@@ -95,7 +91,7 @@ def show(
     from neol.champions.player import load_champion
 
     picture_kind(output)
-    _check_folder(output)
+    _check_output(output)
     player = load_champion(record, seed)
     if plasticity:
         _check_episode(record, player, episode)
@@ -130,7 +126,7 @@ def compare(
 
     if output:
         picture_kind(output)
-        _check_folder(output)
+        _check_output(output)
     compared = contestants(records)
     table = Table("", *(each.letter for each in compared), box=None, pad_edge=False)
     for name, values in (differences(compared) | outcomes(compared)).items():
@@ -167,15 +163,17 @@ def export(
     from neol.champions.player import load_champion
     from neol.files import write_atomically
 
-    _check_folder(output)
+    _check_output(output)
     write = {"json": to_json, "onnx": to_onnx, "python": to_python}[kind]
     player = load_champion(record, seed)
     write_atomically(output, write(player))
     print(f"{output}: champion of seed {player.spec.seed}, {player.spec.task.environment}")
 
 
-def _check_folder(output: Path) -> None:
+def _check_output(output: Path) -> None:
     """Refuse before the work what could not be written after it."""
+    if output.is_dir():
+        raise UserError(f"{output}: is a folder; name a file in it")
     if not output.parent.is_dir():
         raise UserError(f"{output}: there is no folder {output.parent}; make it first")
 
