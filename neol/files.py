@@ -1,7 +1,11 @@
 """Files that are whole or not there: atomic writing, bounded reading."""
 
 import contextlib
+import hashlib
 import os
+import secrets
+import stat
+from io import BufferedReader
 from pathlib import Path
 
 from neol.errors import UserError
@@ -10,11 +14,13 @@ from neol.errors import UserError
 def write_atomically(path: Path, content: bytes) -> None:
     """Write a file so that any reader, after any crash, finds the old content or the new one.
 
-    Raises UserError where it cannot be written: no right, no space.
+    Of several writers the last one wins. A folder that is not there is made. Raises UserError where
+    it cannot be written: no right, no space.
     """
-    temporary = path.with_name(f".{path.name}.tmp")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     try:
-        with temporary.open("wb") as file:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with temporary.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -30,16 +36,41 @@ def write_atomically(path: Path, content: bytes) -> None:
         ) from None
 
 
-def read_bounded(path: Path, limit: int) -> bytes:
-    """The content of a file of at most `limit` bytes. Raises UserError where there is none."""
+def open_regular(path: Path) -> BufferedReader:
+    """Open a regular file for reading: a pipe would block, a device may never end.
+
+    Raises UserError where there is none.
+    """
     try:
-        with path.open("rb") as file:
-            content = file.read(limit + 1)
+        file = open(path, "rb", opener=_without_blocking)  # noqa: SIM115
     except OSError as error:
         raise UserError(f"{path}: cannot be read ({error.strerror})") from None
+    if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        return file
+    file.close()
+    raise UserError(f"{path}: cannot be read (no regular file)")
+
+
+def read_bounded(path: Path, limit: int) -> bytes:
+    """The content of a file of at most `limit` bytes. Raises UserError where there is none."""
+    with open_regular(path) as file:
+        try:
+            content = file.read(limit + 1)
+        except OSError as error:
+            raise UserError(f"{path}: cannot be read ({error.strerror})") from None
     if len(content) > limit:
         raise UserError(f"{path}: larger than {limit} bytes, so not a file of neol's")
     return content
+
+
+def sha256(path: Path) -> str:
+    """SHA-256 in hex of a file's content. Raises UserError where there is none."""
+    with open_regular(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _without_blocking(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def _flush_folder(folder: Path) -> None:

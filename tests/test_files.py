@@ -2,12 +2,13 @@
 
 import errno
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from neol.errors import UserError
-from neol.files import read_bounded, write_atomically
+from neol.files import read_bounded, sha256, write_atomically
 
 
 def test_written_is_read(tmp_path: Path) -> None:
@@ -46,6 +47,34 @@ def test_a_folder_that_is_none(tmp_path: Path) -> None:
         write_atomically(tmp_path / "file" / "a", b"")
     with pytest.raises(UserError, match="cannot be read"):
         read_bounded(tmp_path / "file" / "a", 1)
+
+
+def test_a_folder_that_is_not_there_is_made(tmp_path: Path) -> None:
+    write_atomically(tmp_path / "runs" / "a", b"new")
+    assert (tmp_path / "runs" / "a").read_bytes() == b"new"
+
+
+def test_two_writers_at_once_do_not_meet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    flush, path = os.fsync, tmp_path / "a"
+
+    def write_meanwhile(_: int) -> None:
+        monkeypatch.setattr(os, "fsync", flush)
+        write_atomically(path, b"other")
+        assert path.read_bytes() == b"other"
+
+    monkeypatch.setattr(os, "fsync", write_meanwhile)
+    write_atomically(path, b"one")
+    assert path.read_bytes() == b"one"
+    assert [each.name for each in tmp_path.iterdir()] == ["a"]
+
+
+@pytest.mark.parametrize("read", [sha256, lambda path: read_bounded(path, 9)])
+def test_only_regular_files_are_read(read: Callable[[Path], object], tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")  # which would block for ever
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    for path in (tmp_path / "pipe", tmp_path / "loop", tmp_path, Path("/dev/zero")):
+        with pytest.raises(UserError, match="cannot be read"):
+            read(path)
 
 
 def test_too_large_is_refused(tmp_path: Path) -> None:
