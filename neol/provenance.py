@@ -19,9 +19,9 @@ class Provenance(Model):
     versions: dict[str, str | None]
     """Of Python and the packages that numbers depend on; null where one is not installed."""
     commit: str | None
-    """The checkout's commit; null outside one."""
+    """The checkout's when the first run of the process began; null outside one."""
     dirty: bool | None
-    """Whether code or configuration differed from that commit."""
+    """Whether code or configuration differed from that commit then."""
     host: str
     platform: str
     cpu: str
@@ -32,7 +32,7 @@ class Provenance(Model):
 
 def provenance() -> Provenance:
     """Of a run that finishes now, in this process."""
-    commit, dirty = _checkout()
+    commit, dirty = checkout()
     return Provenance(
         versions={"python": platform.python_version(), **{p: package_version(p) for p in PACKAGES}},
         commit=commit,
@@ -54,8 +54,12 @@ def package_version(package: str) -> str | None:
 
 
 @cache
-def _checkout() -> tuple[str | None, bool | None]:
-    """The commit that this file is tracked in, and whether code or constants differ from it."""
+def checkout() -> tuple[str | None, bool | None]:
+    """The commit that this file is tracked in, and whether code or constants differ from it.
+
+    As they were at the first call of the process, which is for the first run to make when it
+    begins: a run takes hours, and what is committed or edited meanwhile is not what it runs.
+    """
     root = Path(__file__).resolve().parent.parent
     try:
         _git(root, "ls-files", "--error-unmatch", "neol/provenance.py")

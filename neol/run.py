@@ -23,7 +23,7 @@ from neol.checkpoint import Cost
 from neol.errors import UserError
 from neol.evolution import Evolution, Generation
 from neol.neat.genome import Genome
-from neol.provenance import provenance
+from neol.provenance import checkout, provenance
 from neol.records import (
     Champion,
     HeldOut,
@@ -134,6 +134,8 @@ def run_block(
     none of these may be there.
     Raises UserError where something is in the way, before anything is simulated.
     """
+    checkout()
+    seeds = _distinct(seeds)
     if output.is_dir():
         raise UserError(f"{output}: is a folder; name a file in it")
     if output.exists():
@@ -159,7 +161,7 @@ def run_block(
                         budget,
                         on_generation,
                     )
-                    for seed in sorted(seeds)
+                    for seed in seeds
                 ]
             record = join(records)
             write_record(output, record)
@@ -176,10 +178,13 @@ def evolve(
 ) -> Record:
     """Run a specification, with other seeds than its own or not, and keep the record in memory.
 
-    `run_block` is for runs that may be interrupted. Raises UserError for an impossible task.
+    `run_block` is for runs that may be interrupted. Raises UserError for an impossible task, for
+    no seed at all and for a seed that is named twice.
     """
+    checkout()
+    seeds = [spec.seed] if seeds is None else _distinct(seeds)
     with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
-        specs = [spec.model_copy(update={"seed": seed}) for seed in seeds or [spec.seed]]
+        specs = [spec.model_copy(update={"seed": seed}) for seed in seeds]
         results = [run_seed(each, player, on_generation=on_generation) for each in specs]
     return join([_record_of(result, budget=None) for result in results])
 
@@ -240,6 +245,14 @@ def _record_of(result: SeedResult, budget: str | None) -> Record:
         provenance=provenance(),
     )
     return Record(result.spec, budget, history_table(info.seed, result.history), (info,))
+
+
+def _distinct(seeds: Sequence[int]) -> list[int]:
+    """In order. Raises UserError where there is none, or one twice."""
+    ordered = sorted(map(int, seeds))
+    if not ordered or len(set(ordered)) < len(ordered):
+        raise UserError(f"seeds {ordered}: give at least one, and none twice")
+    return ordered
 
 
 def _refuse_other_seeds(partial: Path, seeds: Sequence[int]) -> None:

@@ -3,6 +3,7 @@
 import dataclasses
 import fcntl
 import time
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from neol import checkpoint
+from neol import checkpoint, provenance
 from neol import run as runs
 from neol.errors import UserError
 from neol.evolution import Generation
@@ -96,6 +97,32 @@ def test_stopped_after_any_generation_resumes_exactly(
             assert saved.generation == generation
     assert result(block(output, resume=True)) == undisturbed
     assert names(tmp_path) == ["run.parquet", "whole.parquet"]
+
+
+def test_the_commit_is_that_which_the_run_began_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = {"rev-parse": "before", "status": ""}
+    monkeypatch.setattr(provenance, "_git", lambda _root, command, *_: answers.get(command, ""))
+    monkeypatch.setattr(runs, "checkout", cache(runs.checkout.__wrapped__))
+    monkeypatch.setattr(provenance, "checkout", runs.checkout)
+
+    def edit(_seed: int, _done: Generation) -> None:
+        answers.update({"rev-parse": "after", "status": " M neol/run.py"})
+
+    (info,) = runs.evolve(SPEC, engine="reference", on_generation=edit).seeds
+    assert (info.provenance.commit, info.provenance.dirty) == ("before", False)
+
+
+@pytest.mark.parametrize("seeds", [[], [0, 0]])
+def test_seeds_are_distinct(seeds: list[int], tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="give at least one, and none twice"):
+        runs.evolve(SPEC, seeds)
+    with pytest.raises(UserError, match="give at least one, and none twice"):
+        block(tmp_path / "run.parquet", seeds=tuple(seeds))
+
+
+def test_seeds_may_be_an_array() -> None:
+    record = runs.evolve(SPEC, np.arange(2), engine="reference")  # type: ignore[arg-type]
+    assert [info.seed for info in record.seeds] == [0, 1]
 
 
 def test_checkpoints_come_as_often_as_asked(
