@@ -3,7 +3,7 @@
 set -euo pipefail
 text=$1 folder=$(dirname "$2") output=$3
 
-if ! command -v latexmk pdflatex; then
+if ! { command -v latexmk && command -v pdflatex; }; then
     echo "neol: $output needs LaTeX; on Debian or Ubuntu:" \
         "apt install latexmk texlive-latex-recommended texlive-fonts-recommended" >&2
     exit 1

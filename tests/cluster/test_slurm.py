@@ -33,7 +33,7 @@ if importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:
     LACKS.append("snakemake-executor-plugin-slurm")
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(bool(LACKS), reason=f"no {', '.join(LACKS)}: tests/cluster/install"),
+    pytest.mark.skipif(bool(LACKS), reason=f"no {', '.join(LACKS)}: .ci/install"),
 ]
 
 LONG = [
