@@ -165,13 +165,18 @@ class Plasticity(PlasticityConstants):
     learning_rate: NonNegativeFloat
     """eta."""
 
+    @property
+    def learns(self) -> bool:
+        """Whether there is a rule at all."""
+        return self.rule != NO_RULE
+
 
 class Evaluation(Model):
     """How a genome gets its fitness (Algorithm 2), and the champion its held-out score."""
 
-    episodes: PositiveInt
+    episodes: Annotated[int, Field(ge=1, le=1_000)]
     """N: fitness is the mean return over N episodes."""
-    held_out_episodes: PositiveInt
+    held_out_episodes: Annotated[int, Field(ge=1, le=100_000)]
     """Fresh episodes that the champion is evaluated on."""
     step_limit: PositiveInt | None
     """A run ends with the generation that reaches this many environment steps; null: no limit."""
@@ -237,6 +242,11 @@ class Method(Model):
     weight_mutation: WeightMutation
     """WM_MODE: off, config or a probability."""
 
+    @property
+    def learns(self) -> bool:
+        """Whether it has a rule at all."""
+        return self.rule != NO_RULE
+
 
 class RunSpec(Model):
     """Everything that a run's trajectory is a function of."""
@@ -255,7 +265,7 @@ class RunSpec(Model):
 
     @model_validator(mode="after")
     def _agrees(self) -> "RunSpec":
-        if self.plasticity.rule == NO_RULE and self.plasticity.learning_rate > 0:
+        if not self.plasticity.learns and self.plasticity.learning_rate > 0:
             raise PydanticCustomError("rate", "a learning rate needs a plasticity rule")
         if self.neat.min_species_size > self.population:
             raise PydanticCustomError(
@@ -280,7 +290,7 @@ class Budget(Model):
     name: Text
     """The name of its file; never written in it."""
     generations: PositiveInt
-    seeds: PositiveInt
+    seeds: Annotated[int, Field(ge=1, le=10_000)]
     """How many: a cell runs with seeds 0 to seeds - 1."""
     populations: Several[Population]
     learning_rates: Several[NonNegativeFloat]
@@ -332,11 +342,11 @@ class Configuration(Model):
         """
         self.check_names(task, method)
         chosen = self.methods[method]
-        if chosen.rule == NO_RULE and learning_rate is not None:
+        if not chosen.learns and learning_rate is not None:
             raise UserError(
                 f"learning_rate = {learning_rate}: {method} does not learn online, leave it out"
             )
-        if chosen.rule != NO_RULE and learning_rate is None:
+        if chosen.learns and learning_rate is None:
             grid = ", ".join(f"{rate:g}" for rate in self.budget.learning_rates)
             raise UserError(
                 f"{method} needs a learning rate (budget {self.budget.name} has {grid})"

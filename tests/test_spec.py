@@ -184,6 +184,8 @@ def test_an_unknown_budget(budget):
         ("neat.elitism=1.5", "neat.elitism = 1.5: must be a valid integer"),
         ("neat.elitism=true", "neat.elitism = True: must be a valid integer"),
         ("neat.elitism=-1", "neat.elitism = -1: must be greater than or equal to 0"),
+        ("budget.seeds=10001", "budget.seeds = 10001: must be less than or equal to 10000"),
+        ("evaluation.episodes=1001", "evaluation.episodes = 1001: must be less than or equal to"),
         ("neat.elitism.x=3", "neat.elitism = {'x': 3}: must be a valid integer"),
         ("neat.elitism=2026-01-01", "neat.elitism = '2026-01-01': must be a valid integer"),
         ("neat=3", "neat = 3: must be a mapping of keys to values"),
