@@ -24,7 +24,7 @@ from pydantic import ValidationError
 from neol.complaint import one_line
 from neol.errors import UserError
 from neol.evolution import COLUMNS, Generation
-from neol.files import read_bounded, write_atomically
+from neol.files import open_regular, read_bounded, write_atomically
 from neol.neat.check import check_genome
 from neol.neat.genome import CONNECTION, NODE, Genome
 from neol.provenance import Provenance
@@ -266,7 +266,11 @@ def read_record(path: Path, spec: RunSpec | None = None) -> Record:
 
     Raises UserError, one line with the file and the way out, for any other file.
     """
-    content = read_bounded(path, MAX_BYTES)
+    return parse_record(path, read_bounded(path, MAX_BYTES), spec)
+
+
+def parse_record(path: Path, content: bytes, spec: RunSpec | None = None) -> Record:
+    """The record that a file's content is, as by `read_record`; the path is for the error."""
     try:
         text, table = _parse(content)
     except Exception as error:  # whatever a foreign file makes a parser raise
@@ -325,10 +329,11 @@ def _stored_spec(path: Path, text: bytes) -> dict[str, Any]:
 
 def _footer(path: Path) -> bytes:
     """The metadata's JSON; nothing else of the file is read."""
-    try:
-        return _text(pq.read_metadata(path))
-    except Exception as error:
-        raise _no_record(path, error) from None
+    with open_regular(path) as file:
+        try:
+            return _text(pq.read_metadata(file))
+        except Exception as error:
+            raise _no_record(path, error) from None
 
 
 def _no_record(path: Path, error: Exception) -> UserError:

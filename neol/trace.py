@@ -1,12 +1,11 @@
 """From a table or figure back to its runs, readably."""
 
-import hashlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
 
 from neol.errors import UserError
-from neol.files import read_bounded
+from neol.files import read_bounded, sha256
 from neol.spec import ROOT
 
 MAX_BYTES = 2**27
@@ -32,8 +31,8 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
         if output.name not in (*sidecar["outputs"], path.name):
             raise UserError(f"{output}: not one of the files that {path.name} is about")
         dirty = ", with changes that were not committed" if sidecar["dirty"] else ""
-        for name, sha256 in sidecar["outputs"].items():
-            yield f"{name}{_state(path.with_name(name), sha256)}"
+        for name, expected in sidecar["outputs"].items():
+            yield f"{name}{_state(path.with_name(name), expected)}"
         yield f"made by  {sidecar['command']}"
         yield f"commit   {sidecar['commit'] or 'unknown'}{dirty}"
         yield f"budget   {sidecar['budget']}, configuration {sidecar['configuration'][:16]}"
@@ -45,12 +44,13 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
             yield f"  spec   {record['spec']}"
             yield from (f"  seed {seed}: {digest}" for seed, digest in record["runs"].items())
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise UserError(f"{path}: damaged, or not made by this project") from None
+        raise UserError(
+            f"{path}: damaged, or made by another version of neol; make {output.name} anew"
+        ) from None
 
 
-def _state(path: Path, sha256: str) -> str:
+def _state(path: Path, expected: str) -> str:
     """What has become of a file since."""
     if not path.is_file():
         return "  (not here)"
-    same = hashlib.sha256(path.read_bytes()).hexdigest() == sha256
-    return "" if same else "  (changed since)"
+    return "" if sha256(path) == expected else "  (changed since)"
