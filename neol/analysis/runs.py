@@ -1,12 +1,12 @@
 """A budget's runs, read from its records."""
 
-import hashlib
 import math
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -15,6 +15,7 @@ from neol.analysis.score import samples, score
 from neol.analysis.statistics import Floats
 from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
 from neol.errors import UserError
+from neol.files import sha256
 from neol.records import SCHEMA, Record, read_record
 from neol.spec import Configuration
 
@@ -31,6 +32,16 @@ class Source:
     """Digest of the specification without the seed."""
     runs: dict[int, str]
     """Trajectory digest of each seed."""
+
+    @classmethod
+    def of(cls, record: Record, results: Path, below: Path) -> Self:
+        """That of a record that was read from a path below a results folder."""
+        return cls(
+            path=str(Path(results.resolve().name, below)),
+            sha256=sha256(results / below),
+            spec=record.spec_digest,
+            runs={info.seed: info.digest for info in record.seeds},
+        )
 
 
 @dataclass(frozen=True)
@@ -119,14 +130,7 @@ class Campaign:
                 mean = info.held_out.mean
                 held_out[info.seed] = math.nan if mean is None else mean
                 cpu_seconds[info.seed] = info.cpu_seconds
-            sources.append(
-                Source(
-                    path=str(Path(self._results.resolve().name, below)),
-                    sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
-                    spec=record.spec_digest,
-                    runs={info.seed: info.digest for info in record.seeds},
-                )
-            )
+            sources.append(Source.of(record, self._results, below))
         if missing:
             seeds = ", ".join(map(str, missing))
             print(f"neol: {cell.folder}: no record of seeds {seeds}", file=sys.stderr)

@@ -4,13 +4,18 @@ import hashlib
 import json
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
 from pathlib import Path
+from typing import Self
+
+from pydantic import ValidationError
 
 from neol.analysis.runs import Source
-from neol.files import write_atomically
+from neol.errors import UserError
+from neol.files import read_bounded, sha256, write_atomically
 from neol.provenance import provenance
-from neol.spec import ROOT, Configuration
+from neol.spec import ROOT, Configuration, Model
+
+MAX_BYTES = 2**27
 
 
 def command(output: Path, configuration: Configuration) -> str:
@@ -19,26 +24,46 @@ def command(output: Path, configuration: Configuration) -> str:
     return f"snakemake {path} --config budget={configuration.budget.name}"
 
 
+class Sidecar(Model):
+    """What made some outputs: figures/table1.json, of table1.tex and table1.csv beside it."""
+
+    outputs: dict[str, str]
+    """SHA-256 by name."""
+    command: str
+    """That makes them."""
+    commit: str | None
+    dirty: bool
+    """Whether the checkout had changes that were not committed."""
+    budget: str
+    configuration: str
+    """SHA-256 of the resolved configuration as canonical JSON."""
+    records: tuple[Source, ...]
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Raises UserError where there is none, or it is damaged."""
+        try:
+            return cls.model_validate_json(read_bounded(path, MAX_BYTES))
+        except ValidationError:
+            raise UserError(
+                f"{path}: damaged, or made by another version of neol; make it anew"
+            ) from None
+
+
 def write_sidecar(
     outputs: Sequence[Path], configuration: Configuration, sources: Iterable[Source]
 ) -> None:
-    """Write figures/table1.json for figures/table1.tex and its table1.csv, which are there already.
-
-    Its keys: `outputs` (SHA-256 by name); `command` that makes them; `commit` and whether the
-    checkout was `dirty`; `budget`; `configuration` (SHA-256 of the resolved configuration as
-    canonical JSON); `records`, each with `path`, `sha256` of the file, `spec` (the specification's
-    digest) and `runs` (trajectory digest by seed).
-    """
+    """Write the sidecar of outputs that are there already."""
     resolved = json.dumps(configuration.model_dump(mode="json"), sort_keys=True)
     made_by = provenance()
-    content = {
-        "outputs": {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in outputs},
-        "command": command(outputs[0], configuration),
-        "commit": made_by.commit,
-        "dirty": made_by.dirty,
-        "budget": configuration.budget.name,
-        "configuration": hashlib.sha256(resolved.encode()).hexdigest(),
-        "records": [asdict(source) for source in sources],
-    }
-    text = json.dumps(content, indent=1) + "\n"
+    sidecar = Sidecar(
+        outputs={path.name: sha256(path) for path in outputs},
+        command=command(outputs[0], configuration),
+        commit=made_by.commit,
+        dirty=made_by.dirty,
+        budget=configuration.budget.name,
+        configuration=hashlib.sha256(resolved.encode()).hexdigest(),
+        records=tuple(sources),
+    )
+    text = sidecar.model_dump_json(indent=1) + "\n"
     write_atomically(outputs[0].with_suffix(".json"), text.encode())
