@@ -1,14 +1,12 @@
 """From a table or figure back to its runs, readably."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
+from neol.analysis.sidecar import Sidecar
 from neol.errors import UserError
-from neol.files import read_bounded, sha256
+from neol.files import sha256
 from neol.spec import ROOT
-
-MAX_BYTES = 2**27
 
 
 def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
@@ -25,28 +23,22 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
     path = output.with_suffix(".json")
     if not path.exists():
         raise UserError(f"{output}: has no {path.name} beside it, so nothing is known of it")
-    try:
-        sidecar = json.loads(read_bounded(path, MAX_BYTES))
-        records = sidecar["records"]
-        if output.name not in (*sidecar["outputs"], path.name):
-            raise UserError(f"{output}: not one of the files that {path.name} is about")
-        dirty = ", with changes that were not committed" if sidecar["dirty"] else ""
-        for name, expected in sidecar["outputs"].items():
-            yield f"{name}{_state(path.with_name(name), expected)}"
-        yield f"made by  {sidecar['command']}"
-        yield f"commit   {sidecar['commit'] or 'unknown'}{dirty}"
-        yield f"budget   {sidecar['budget']}, configuration {sidecar['configuration'][:16]}"
-        yield f"records  {len(records)}, of {sum(len(each['runs']) for each in records)} runs"
-        for record in records:
-            yield ""
-            yield f"{record['path']}{_state(root / record['path'], record['sha256'])}"
-            yield f"  sha256 {record['sha256']}"
-            yield f"  spec   {record['spec']}"
-            yield from (f"  seed {seed}: {digest}" for seed, digest in record["runs"].items())
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise UserError(
-            f"{path}: damaged, or made by another version of neol; make {output.name} anew"
-        ) from None
+    sidecar = Sidecar.read(path)
+    if output.name not in (*sidecar.outputs, path.name):
+        raise UserError(f"{output}: not one of the files that {path.name} is about")
+    dirty = ", with changes that were not committed" if sidecar.dirty else ""
+    for name, expected in sidecar.outputs.items():
+        yield f"{name}{_state(path.with_name(name), expected)}"
+    yield f"made by  {sidecar.command}"
+    yield f"commit   {sidecar.commit or 'unknown'}{dirty}"
+    yield f"budget   {sidecar.budget}, configuration {sidecar.configuration[:16]}"
+    yield f"records  {len(sidecar.records)}, of {sidecar.runs} runs"
+    for record in sidecar.records:
+        yield ""
+        yield f"{record.path}{_state(root / record.path, record.sha256)}"
+        yield f"  sha256 {record.sha256}"
+        yield f"  spec   {record.spec}"
+        yield from (f"  seed {seed}: {digest}" for seed, digest in record.runs.items())
 
 
 def _state(path: Path, expected: str) -> str:

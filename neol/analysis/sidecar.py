@@ -32,12 +32,17 @@ class Sidecar(Model):
     command: str
     """That makes them."""
     commit: str | None
-    dirty: bool
-    """Whether the checkout had changes that were not committed."""
+    dirty: bool | None
+    """Whether the checkout had changes that were not committed; None where there was none."""
     budget: str
     configuration: str
     """SHA-256 of the resolved configuration as canonical JSON."""
     records: tuple[Source, ...]
+
+    @property
+    def runs(self) -> int:
+        """How many are behind the outputs."""
+        return sum(len(record.runs) for record in self.records)
 
     @classmethod
     def read(cls, path: Path) -> Self:

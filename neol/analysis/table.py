@@ -62,8 +62,12 @@ class Table:
             f"% Made by `{command(path, self.configuration)}` from what {self.name}.json lists."
         )
         write_atomically(path, f"{made_by}\n{self.latex()}\n".encode())
-        write_atomically(csv, self.frame.to_csv(index=False).encode())
+        write_atomically(csv, self.csv())
         write_sidecar([path, csv], self.configuration, self.sources)
+
+    def csv(self) -> bytes:
+        """`frame`, as its file holds it."""
+        return self.frame.to_csv(index=False).encode()
 
     def latex(self) -> str:
         """A table for \\input, numbered as in the paper; it needs the package booktabs."""
@@ -88,18 +92,22 @@ class Table:
         )
 
     def _repr_html_(self) -> str:
-        tags = {"best": "b", "runner-up": "u", "": "span"}
-        head = "".join(f"<th>{html.escape(text)}</th>" for text in ("Task", *self.columns))
-        body = ""
-        for line in self.lines:
-            cells = "".join(
-                f"<td><{tags[emphasis]}>{html.escape(text)}</{tags[emphasis]}></td>"
-                for text, emphasis in line.entries
-            )
-            body += f"<tr><td>{html.escape(line.label)}</td>{cells}</tr>"
-        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
+        head = "".join(
+            f'<th scope="col">{html.escape(text)}</th>' for text in ("Task", *self.columns)
+        )
         caption = f"<caption>{html.escape(self.caption)}</caption>"
-        return f"<table>{caption}<tr>{head}</tr>{body}</table>{notes}"
+        body = "".join(map(_html_line, self.lines))
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
+        return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{notes}"
+
+
+def _html_line(line: Line) -> str:
+    tags = {"best": "<b>%s</b>", "runner-up": "<u>%s</u>", "": "%s"}
+    cells = "".join(
+        f"<td>{tags[emphasis] % html.escape(text)}</td>" for text, emphasis in line.entries
+    )
+    row = '<tr class="paper">' if line.is_paper else "<tr>"
+    return f'{row}<th scope="row">{html.escape(line.label)}</th>{cells}</tr>'
 
 
 def _latex_line(line: Line) -> str:

@@ -4,7 +4,7 @@ The text writes \\result{table1/hopper/bcm/mean} for that cell of table1.csv: th
 the row, the column. What a budget does not have (a task, say) is printed as a dash.
 """
 
-import argparse
+import io
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -15,11 +15,10 @@ from neol.analysis import reference
 from neol.analysis.labels import task_label
 from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
-from neol.campaign import RESULTS
-from neol.errors import UserError
 from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.report.costs import costs
+from neol.report.inputs import command_line, read
 from neol.spec import Configuration, load_configuration
 
 KEYS = {
@@ -128,26 +127,20 @@ def _number(value: float) -> str:
 
 
 def _read(path: Path) -> pd.DataFrame:
-    try:
-        return pd.read_csv(path)
-    except OSError as error:
-        raise UserError(
-            f"{path}: cannot be read ({error.strerror}); `snakemake all` makes it"
-        ) from None
+    return pd.read_csv(io.BytesIO(read(path)))
 
 
-def main() -> None:
+def write_results_tex(campaign: Campaign, figures: Path, output: Path) -> None:
     """Write the numbers of a budget."""
-    parser = argparse.ArgumentParser(prog="python -m neol.report.numbers", description=__doc__)
-    parser.add_argument("budget")
-    parser.add_argument("figures", type=Path, help="the folder of the budget's tables")
-    parser.add_argument("output", type=Path)
-    arguments = parser.parse_args()
-    campaign = Campaign(load_configuration(arguments.budget), RESULTS)
-    text = results_tex(campaign, arguments.figures)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(arguments.output, text.encode())
+    output.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(output, results_tex(campaign, figures).encode())
 
 
 if __name__ == "__main__":
-    main()
+    command_line(
+        "neol.report.numbers",
+        __doc__,
+        write_results_tex,
+        figures="the folder of the budget's tables",
+        output="what the paper inputs",
+    )

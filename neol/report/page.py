@@ -3,9 +3,8 @@
 It needs no network: style and pictures are inside. `page.html.j2` is its text.
 """
 
-import argparse
 import base64
-import json
+import io
 from collections import Counter
 from collections.abc import Hashable
 from dataclasses import dataclass
@@ -22,30 +21,19 @@ from neol.analysis.captions import describe_budget, lacking
 from neol.analysis.claims import Claim, load_claims
 from neol.analysis.labels import HEATMAPS
 from neol.analysis.runs import Campaign
-from neol.campaign import RESULTS
+from neol.analysis.sidecar import Sidecar
+from neol.analysis.table import Table
 from neol.errors import UserError
 from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.provenance import provenance
 from neol.report.costs import costs
+from neol.report.inputs import command_line, read, vouched
 from neol.report.showcase import Showcase, Shown
-from neol.spec import ROOT, load_configuration
+from neol.spec import ROOT
 
 CAPTIONS = ROOT / "paper" / "captions"
 BEYOND = ("effects", "aggregates", "profiles", "efficiency", "selection", "sensitivity")
-
-
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """What made an output, as its sidecar has it."""
-
-    command: str
-    commit: str
-    records: tuple[dict[str, Any], ...]
-
-    @property
-    def runs(self) -> int:
-        return sum(len(record["runs"]) for record in self.records)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +43,7 @@ class Exhibit:
     name: str
     caption: str
     content: markupsafe.Markup
-    origin: Origin
+    origin: Sidecar
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +59,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     """The report as HTML.
 
     `figures` holds the budget's tables and figures, `champions` what `showcase` made.
-    Raises UserError where a file is not there.
+    Raises UserError where a file is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
     judged = _judged(figures)
@@ -82,7 +70,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     paper_figures = [_figure(figures, f"figure{number}") for number in (2, 3, *heatmaps)]
     beyond = [_figure(figures, f"beyond_{name}") for name in BEYOND]
     exhibits = [*paper_tables, *paper_figures, *beyond]
-    records = {record["path"]: record for each in exhibits for record in each.origin.records}
+    records = {record.path: record for each in exhibits for record in each.origin.records}
     showcase = _read_showcase(champions)
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("neol.report", "."),
@@ -111,36 +99,32 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
 
 
 def _table(campaign: Campaign, figures: Path, number: int) -> Exhibit:
+    """A table made anew, which is the one that the file holds."""
     name = f"table{number}"
-    table = getattr(tables, name)(campaign)
-    return Exhibit(
-        name,
-        _caption(name),
-        markupsafe.Markup(table._repr_html_()),
-        _origin(figures / f"{name}.json"),
-    )
+    table: Table = getattr(tables, name)(campaign)
+    file = figures / f"{name}.csv"
+    content, sidecar = vouched(file)
+    if content != table.csv():
+        raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it anew")
+    return Exhibit(name, _caption(name), markupsafe.Markup(table._repr_html_()), sidecar)
 
 
 def _figure(figures: Path, name: str) -> Exhibit:
     caption = _caption(name)
-    source = _data(figures / f"{name}.png", "image/png")
+    content, sidecar = vouched(figures / f"{name}.png")
+    source = _data(content, "image/png")
     image = markupsafe.Markup('<img src="{}" alt="{}">').format(source, caption)
-    return Exhibit(name, caption, image, _origin(figures / f"{name}.json"))
+    return Exhibit(name, caption, image, sidecar)
 
 
 def _caption(name: str) -> str:
     return (CAPTIONS / f"{name}.rst").read_text(encoding="utf-8").strip()
 
 
-def _origin(path: Path) -> Origin:
-    sidecar = json.loads(_bytes(path))
-    return Origin(sidecar["command"], sidecar["commit"] or "unknown", tuple(sidecar["records"]))
-
-
 def _judged(figures: Path) -> list[Judged]:
     claims = {claim.id: claim for claim in load_claims()}
-    _bytes(figures / "claims.csv")
-    parts = pd.read_csv(figures / "claims.csv")
+    content, _ = vouched(figures / "claims.csv")
+    parts = pd.read_csv(io.BytesIO(content))
     return [
         Judged(claims[str(name)], group["verdict"].iloc[0], group.to_dict("records"))
         for name, group in parts.groupby("claim", sort=False)
@@ -148,14 +132,15 @@ def _judged(figures: Path) -> list[Judged]:
 
 
 def _read_showcase(champions: Path) -> Showcase:
-    return Showcase.model_validate_json(_bytes(champions / "champions.json"))
+    return Showcase.model_validate_json(read(champions / "champions.json"))
 
 
 def _pictures(folder: Path, shown: Shown) -> tuple[str, str | None]:
     """The drawing of a champion's network, and its film where there is one."""
-    network = _data(folder / f"{shown.task}.png", "image/png")
-    filmed = shown.episode_return is not None
-    return network, _data(folder / f"{shown.task}.gif", "image/gif") if filmed else None
+    network = _data(read(folder / f"{shown.task}.png"), "image/png")
+    if shown.episode_return is None:
+        return network, None
+    return network, _data(read(folder / f"{shown.task}.gif"), "image/gif")
 
 
 def _markdown(path: Path) -> markupsafe.Markup:
@@ -164,31 +149,21 @@ def _markdown(path: Path) -> markupsafe.Markup:
     return markupsafe.Markup(MarkdownIt("commonmark").enable("table").render(text))
 
 
-def _data(path: Path, kind: str) -> str:
-    return f"data:{kind};base64,{base64.b64encode(_bytes(path)).decode()}"
+def _data(content: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise UserError(
-            f"{path}: cannot be read ({error.strerror}); `make report` makes what the report needs"
-        ) from None
-
-
-def main() -> None:
+def write_page(campaign: Campaign, figures: Path, champions: Path, output: Path) -> None:
     """Write the report of a budget."""
-    parser = argparse.ArgumentParser(prog="python -m neol.report.page", description=__doc__)
-    parser.add_argument("budget")
-    parser.add_argument("figures", type=Path, help="the folder of its tables and figures")
-    parser.add_argument("champions", type=Path, help="what neol.report.showcase made")
-    parser.add_argument("output", type=Path)
-    arguments = parser.parse_args()
-    campaign = Campaign(load_configuration(arguments.budget), RESULTS)
-    text = page(campaign, arguments.figures, arguments.champions)
-    write_atomically(arguments.output, text.encode())
+    write_atomically(output, page(campaign, figures, champions).encode())
 
 
 if __name__ == "__main__":
-    main()
+    command_line(
+        "neol.report.page",
+        __doc__,
+        write_page,
+        figures="the folder of its tables and figures",
+        champions="what neol.report.showcase made",
+        output="the page",
+    )

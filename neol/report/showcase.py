@@ -1,6 +1,5 @@
 """The champions that the report shows: of each task the one that does best in fresh episodes."""
 
-import argparse
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +15,8 @@ from neol.champions.film import film
 from neol.champions.player import Player, load_champion
 from neol.errors import UserError
 from neol.files import write_atomically
-from neol.spec import Model, load_configuration
+from neol.report.inputs import command_line
+from neol.spec import Model
 
 
 class Shown(Model):
@@ -112,18 +112,11 @@ def _median_episode(player: Player) -> int:
     return player.held_out_seeds[int(order[(len(order) - 1) // 2])]
 
 
-def main() -> None:
+def write_showcase(campaign: Campaign, folder: Path) -> None:
     """Write the champions of a budget: champions.json, and each one's pictures."""
-    parser = argparse.ArgumentParser(prog="python -m neol.report.showcase", description=__doc__)
-    parser.add_argument("budget")
-    parser.add_argument("folder", type=Path)
-    arguments = parser.parse_args()
-    campaign = Campaign(load_configuration(arguments.budget), RESULTS)
-    champions = Showcase(champions=tuple(show(campaign, RESULTS, arguments.folder)))
-    write_atomically(
-        arguments.folder / "champions.json", champions.model_dump_json(indent=1).encode()
-    )
+    champions = Showcase(champions=tuple(show(campaign, RESULTS, folder)))
+    write_atomically(folder / "champions.json", champions.model_dump_json(indent=1).encode())
 
 
 if __name__ == "__main__":
-    main()
+    command_line("neol.report.showcase", __doc__, write_showcase, folder="for what it writes")

@@ -90,7 +90,7 @@ def test_verdicts_are_counted_by_claim(campaign: Campaign, figures: Path) -> Non
 
 
 def test_a_missing_table_is_said(campaign: Campaign, tmp_path: Path) -> None:
-    with pytest.raises(UserError, match=r"table1\.csv: cannot be read .*snakemake all"):
+    with pytest.raises(UserError, match=r"table1\.csv: cannot be read .*make report"):
         numbers(campaign, tmp_path)
 
 

@@ -4,6 +4,7 @@ import re
 import shutil
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -162,6 +163,32 @@ def test_every_record_is_listed_once_with_its_digest(text: str, campaign: Campai
 def test_a_missing_picture_is_said(campaign: Campaign, figures: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"champions\.json: cannot be read .*make report"):
         page(campaign, figures, tmp_path)
+
+
+@pytest.mark.parametrize("name", ["table1.csv", "figure2.png", "claims.csv"])
+def test_a_file_that_changed_is_refused(
+    name: str, campaign: Campaign, figures: Path, champions: Path, tmp_path: Path
+) -> None:
+    altered = shutil.copytree(figures, tmp_path / "figures")
+    with (altered / name).open("ab") as file:
+        file.write(b"\n")
+    with pytest.raises(UserError, match=rf"{name}: changed since \w+\.json was written"):
+        page(campaign, altered, champions)
+
+
+def test_a_table_of_other_records_is_refused(
+    campaign: Campaign, figures: Path, champions: Path, tmp_path: Path
+) -> None:
+    altered = shutil.copytree(figures, tmp_path / "figures")
+    table = tables.table1(campaign)
+    replace(table, frame=table.frame.assign(mean=8.5)).write(altered)
+    with pytest.raises(UserError, match=r"table1\.csv: not what the records say now; `snakemake"):
+        page(campaign, altered, champions)
+
+
+def test_the_papers_rows_are_marked(text: str) -> None:
+    assert '<tr class="paper"><th scope="row">' in text
+    assert text.count("<thead>") == text.count("<table>")
 
 
 def test_the_best_champion_is_best_in_fresh_episodes(campaign: Campaign) -> None:

@@ -1,0 +1,53 @@
+"""What the modules of this folder are given: a budget, and files that the workflow made before."""
+
+import argparse
+import hashlib
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from neol.analysis.runs import Campaign
+from neol.analysis.sidecar import Sidecar
+from neol.campaign import RESULTS
+from neol.errors import UserError
+from neol.files import read_bounded
+from neol.spec import load_configuration
+
+MAX_BYTES = 2**27
+
+
+def command_line(module: str, purpose: str | None, work: Callable[..., None], **paths: str) -> None:
+    """Call `work` with a budget's campaign and some paths, each with its meaning, as a program."""
+    parser = argparse.ArgumentParser(prog=f"python -m {module}", description=purpose)
+    parser.add_argument("budget")
+    for name, meaning in paths.items():
+        parser.add_argument(name, type=Path, help=meaning)
+    arguments = vars(parser.parse_args())
+    try:
+        work(Campaign(load_configuration(arguments.pop("budget")), RESULTS), **arguments)
+    except UserError as error:
+        print(f"neol: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+def read(path: Path) -> bytes:
+    """The content of a file that the workflow makes. Raises UserError where there is none."""
+    try:
+        return read_bounded(path, MAX_BYTES)
+    except UserError as error:
+        raise UserError(f"{error}; `make report` makes what is missing") from None
+
+
+def vouched(output: Path) -> tuple[bytes, Sidecar]:
+    """The content of a table or figure, and the sidecar that says what made it.
+
+    Raises UserError where one is missing, or the file is not the one that the sidecar is about.
+    """
+    content = read(output)
+    sidecar = Sidecar.read(output.with_suffix(".json"))
+    if sidecar.outputs.get(output.name) != hashlib.sha256(content).hexdigest():
+        raise UserError(
+            f"{output}: changed since {output.stem}.json was written; "
+            "remove both, and `make report` makes them anew"
+        )
+    return content, sidecar
