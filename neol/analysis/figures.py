@@ -117,7 +117,7 @@ def heatmaps(
         bar.outline.set_visible(False)
         bar.locator = MaxNLocator(4)
         lacking = sum(int((count < seeds).sum()) for _, count in grids.values())
-        explanation = "Means over seeds; a frame marks each panel's highest."
+        explanation = "Means over seeds; a frame marks a panel's highest, if it is one alone."
         warning = [f"Hatched: {lacking} of {means.size} cells lack seeds."] if lacking else []
         footer(figure, "\n".join([f"{note} {explanation}", *warning]))
     return figure
