@@ -78,7 +78,7 @@ def run_spec(spec: RunSpec) -> PeerRun:
                 total, length = play(environment, network, episode_seed, spec.plasticity)
                 returns.append(total)
                 steps += length
-                if spec.plasticity.write_back and spec.plasticity.rule != "none":
+                if spec.plasticity.write_back and spec.plasticity.learns:
                     write_back(genome, network)
             genome.fitness = sum(returns) / len(returns)
 
@@ -105,7 +105,7 @@ def play(environment: Any, network: Any, seed: int, plasticity: Plasticity) -> t
         total += float(reward)
         steps += 1
         done = terminated or truncated
-        if plasticity.rule != "none":
+        if plasticity.learns:
             learn(network, plasticity, gate * float(reward), threshold)
     return total, steps
 

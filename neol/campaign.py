@@ -56,9 +56,7 @@ def cells(configuration: Configuration) -> list[Cell]:
         for task in budget.tasks
         for method in budget.methods
         for population in budget.populations
-        for rate in (
-            [None] if configuration.methods[method].rule == "none" else budget.learning_rates
-        )
+        for rate in (budget.learning_rates if configuration.methods[method].learns else [None])
     ]
 
 

@@ -90,7 +90,7 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
                 task=task,
                 method=method,
                 population=min(*budget.populations, most.population),
-                learning_rate=None if changed.methods[method].rule == "none" else rate,
+                learning_rate=rate if changed.methods[method].learns else None,
                 generations=max(2, min(budget.generations // 5, most.generations)),
                 seed=seeds[0],
             ),

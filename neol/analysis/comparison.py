@@ -21,7 +21,6 @@ from neol.analysis.statistics import mean_interval
 from neol.analysis.style import WIDTH, drawing, footer, styles
 from neol.errors import UserError
 from neol.records import Record, SeedInfo, join, read_record
-from neol.rules import NO_RULE
 from neol.spec import RunSpec, budgets, load_configuration
 
 LETTERS = string.ascii_uppercase
@@ -46,7 +45,7 @@ class Contestant:
     def label(self) -> str:
         """A: BCM, P = 50, η = 0.25."""
         plasticity = self.spec.plasticity
-        rate = "" if plasticity.rule == NO_RULE else f", η = {plasticity.learning_rate:g}"
+        rate = f", η = {plasticity.learning_rate:g}" if plasticity.learns else ""
         return f"{self.letter}: {method_label(self.spec.method)}, P = {self.spec.population}{rate}"
 
     @cached_property

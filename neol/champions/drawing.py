@@ -142,7 +142,7 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
     Raises UserError for a champion that does not learn.
     """
     spec = player.spec
-    if spec.plasticity.rule == "none":
+    if not spec.plasticity.learns:
         raise UserError(
             f"{method_label(spec.method)} does not learn within an episode; "
             "--plasticity needs a champion of a method that does"

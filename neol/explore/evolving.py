@@ -41,7 +41,7 @@ def specification(
             f"evaluation.held_out_episodes={HELD_OUT_EPISODES}",
         ],
     )
-    learns = {name for name, each in configuration.methods.items() if each.rule != "none"}
+    learns = {name for name, each in configuration.methods.items() if each.learns}
     return configuration.run_spec(
         task=task,
         method=method,
@@ -66,7 +66,7 @@ class Evolutions:
         """
         spec = specification(**settings)
         label = f"{method_label(spec.method)} P={spec.population} seed {spec.seed}"
-        if spec.plasticity.rule != "none":
+        if spec.plasticity.learns:
             label += f" η={spec.plasticity.learning_rate:g} β={spec.plasticity.reward_scale:g}"
         engine, drawn = make_engine(spec.task), -float("inf")
         evolution = Evolution.begin(spec, *network_size(spec.task))

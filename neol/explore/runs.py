@@ -52,9 +52,7 @@ def table_of_runs(results: Path) -> pd.DataFrame:
                 "task": spec.task.name,
                 "method": spec.method,
                 "population": spec.population,
-                "learning_rate": None
-                if spec.plasticity.rule == "none"
-                else spec.plasticity.learning_rate,
+                "learning_rate": spec.plasticity.learning_rate if spec.plasticity.learns else None,
                 "generations": spec.generations,
                 "seed": info.seed,
                 "best_fitness": info.champion.fitness,
