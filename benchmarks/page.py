@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 
-from benchmarks.cost import NEAT_POPULATION
 from benchmarks.table import (
     PARTS,
     RULES,
@@ -13,6 +12,7 @@ from benchmarks.table import (
     percent,
 )
 from benchmarks.targets import targets
+from neol.cost import NEAT_POPULATION
 
 
 def page(table: Table, about: Mapping[str, str]) -> str:

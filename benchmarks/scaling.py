@@ -6,13 +6,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from benchmarks.cost import Get, neat_seconds, run_seconds, shipped
 from benchmarks.table import TITLES, Table, markdown, number
 from neol.analysis.reference import settings
-from neol.campaign import Block, blocks, run_specs
+from neol.cost import Get, neat_seconds, run_seconds, shipped
 from neol.errors import UserError
+from neol.jobs import SENSITIVITY, Job, jobs
 from neol.records import read_record
-from neol.spec import ROOT, RunSpec, load_configuration
+from neol.spec import ROOT, load_configuration
 
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
 CORES = (1, 8, 64, 512)
@@ -36,18 +36,18 @@ def scaling(table: Table, about: Mapping[str, str]) -> str:
 
 def prediction(get: Get, budget: str) -> str:
     """What a budget costs: by task, by run, and in days."""
-    jobs = _jobs(get, budget)
-    return f"{_core_hours(jobs)}\n{_runs(jobs)}\n{_wall(jobs)}"
+    costs = _costs(get, budget)
+    return f"{_core_hours(costs)}\n{_runs(costs)}\n{_wall(costs)}"
 
 
 def comparison(get: Get, budget: str) -> str:
     """The prediction for those of a budget's blocks that have a record, beside what these say."""
     parts = []
-    for job in _jobs(get, budget):
-        path = ROOT / job.block.record
+    for cost in _costs(get, budget):
+        path, spec = ROOT / cost.job.record, cost.job.spec
         if path.exists():
-            spent = sum(info.cpu_seconds for info in read_record(path, job.spec).seeds)
-            parts.append((job.spec.task.name, (job.runs, job.seconds, spent)))
+            spent = sum(info.cpu_seconds for info in read_record(path, spec).seeds)
+            parts.append((spec.task.name, (cost.runs, cost.seconds, spent)))
     rows = [
         [task, f"{runs:,.0f}", *map(number, (predicted / 60, spent / 60, spent / predicted))]
         for task, (runs, predicted, spent) in _sums(parts)
@@ -57,29 +57,26 @@ def comparison(get: Get, budget: str) -> str:
 
 
 @dataclass(frozen=True)
-class Job:
-    """A block and its first run; times are core-seconds of the block."""
+class Cost:
+    """Of all runs of a job, in core-seconds."""
 
-    block: Block
-    spec: RunSpec
+    job: Job
     seconds: float
     longest: float
     """Where every episode goes on to the task's limit."""
 
     @property
     def runs(self) -> int:
-        return len(self.block.seeds)
+        return len(self.job.seeds)
 
 
-def _jobs(get: Get, budget: str) -> list[Job]:
-    """Those of a budget whose tasks were measured."""
-    configuration = load_configuration(budget)
+def _costs(get: Get, budget: str) -> list[Cost]:
+    """Of a budget's grid, as far as its tasks were measured."""
     found = []
-    for block in blocks(configuration):
-        spec, runs = run_specs(configuration, block)[0], len(block.seeds)
-        usual, longest = run_seconds(spec, get), run_seconds(spec, get, to_the_limit=True)
-        if usual is not None and longest is not None:
-            found.append(Job(block, spec, runs * usual, runs * longest))
+    for job in jobs(load_configuration(budget)):
+        usual, longest = run_seconds(job.spec, get), run_seconds(job.spec, get, to_the_limit=True)
+        if job.part != SENSITIVITY and usual is not None and longest is not None:
+            found.append(Cost(job, len(job.seeds) * usual, len(job.seeds) * longest))
     return found
 
 
@@ -115,15 +112,16 @@ def _measured(table: Table) -> str:
     return markdown(header, rows)
 
 
-def _core_hours(jobs: Iterable[Job]) -> str:
+def _core_hours(costs: Iterable[Cost]) -> str:
     """Million evaluations and core-hours by task; the runs of Table 1 are those of Table 3."""
     chosen = {(*key, *setting) for key, setting in settings(3).items()}
     parts = []
-    for job in jobs:
-        spec, cell = job.spec, job.block.cell
-        shown = (cell.task, cell.method, cell.population, cell.learning_rate) in chosen
-        evaluations = job.runs * spec.generations * spec.population * spec.evaluation.episodes
-        parts.append((cell.task, (evaluations, job.seconds, job.longest, shown * job.seconds)))
+    for cost in costs:
+        spec, task = cost.job.spec, cost.job.spec.task.name
+        rate = spec.plasticity.learning_rate if spec.plasticity.learns else None
+        shown = (task, spec.method, spec.population, rate) in chosen
+        evaluations = cost.runs * spec.generations * spec.population * spec.evaluation.episodes
+        parts.append((task, (evaluations, cost.seconds, cost.longest, shown * cost.seconds)))
     rows = [
         [task, f"{evaluations / 1e6:,.1f}", *(number(value / HOUR) for value in seconds)]
         for task, (evaluations, *seconds) in _sums(parts)
@@ -133,22 +131,23 @@ def _core_hours(jobs: Iterable[Job]) -> str:
     return markdown(header, rows)
 
 
-def _runs(jobs: Iterable[Job]) -> str:
-    """Minutes of one run by task, method and P, and hours of the longest block."""
+def _runs(costs: Iterable[Cost]) -> str:
+    """Minutes of one run by task, method and P, and hours of the longest job."""
     minutes: dict[tuple[str, str], dict[int, float]] = defaultdict(dict)
-    block: dict[tuple[str, str], tuple[float, float, int]] = {}
-    for job in jobs:
-        key = (job.spec.task.name, "NEAT" if job.spec.method == "neat" else "a rule, NEAT (w/o)")
-        minutes[key][job.spec.population] = job.seconds / job.runs / 60
-        longest = (job.seconds / HOUR, job.longest / HOUR, job.runs)
-        block[key] = max(block.get(key, longest), longest)
+    most: dict[tuple[str, str], tuple[float, float, int]] = {}
+    for cost in costs:
+        spec = cost.job.spec
+        key = (spec.task.name, "NEAT" if spec.method == "neat" else "a rule, NEAT (w/o)")
+        minutes[key][spec.population] = cost.seconds / cost.runs / 60
+        longest = (cost.seconds / HOUR, cost.longest / HOUR, cost.runs)
+        most[key] = max(most.get(key, longest), longest)
     populations = sorted({population for found in minutes.values() for population in found})
     rows = [
         [
             f"{TITLES[task]}, {method}",
             *(number(found[population]) for population in populations),
-            str(block[task, method][2]),
-            *(number(hours) for hours in block[task, method][:2]),
+            str(most[task, method][2]),
+            *(number(hours) for hours in most[task, method][:2]),
         ]
         for (task, method), found in minutes.items()
     ]
@@ -157,9 +156,9 @@ def _runs(jobs: Iterable[Job]) -> str:
     return markdown(header, rows)
 
 
-def _wall(jobs: Sequence[Job]) -> str:
+def _wall(costs: Sequence[Cost]) -> str:
     """Days on so many cores, each of which takes the next job when it has done one."""
-    usual, longest = [job.seconds for job in jobs], [job.longest for job in jobs]
+    usual, longest = [cost.seconds for cost in costs], [cost.longest for cost in costs]
     rows = [
         [f"{cores:,}", number(_days(usual, cores)), number(_days(longest, cores))]
         for cores in CORES

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from benchmarks.cost import NEAT_POPULATION
+from neol.cost import NEAT_POPULATION
 
 Key = tuple[str, str, str]
 """Quantity, task, networks; empty where it is of no particular task or networks."""

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from benchmarks.cost import NEAT_POPULATION
 from benchmarks.table import TITLES, Table, number, percent
+from neol.cost import NEAT_POPULATION
 
 
 @dataclass(frozen=True)

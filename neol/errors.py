@@ -1,4 +1,9 @@
-"""The one kind of error that is the user's to mend."""
+"""The one kind of error that is the user's to mend, and what is said that is none."""
+
+NOTICE = "neol: note: "
+"""How a line of ours begins that tells of no error."""
+INTERRUPTED, TERMINATED = "interrupted", "terminated"
+"""How what follows `neol: ` begins where a run was stopped, which is no error either."""
 
 
 class UserError(Exception):

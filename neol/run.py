@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from neol import checkpoint as checkpoints
 from neol.checkpoint import Cost
-from neol.errors import UserError
+from neol.errors import NOTICE, UserError
 from neol.evolution import Evolution, Generation
 from neol.neat.genome import Genome
 from neol.provenance import checkout, provenance
@@ -317,7 +317,7 @@ def _lock(file: IO[str], partial: Path, wait: bool) -> None:
     line = f"{partial}: another process is running this"
     if not wait:
         raise UserError(f"{line}; wait for it or choose another output")
-    print(f"neol: {line}; waiting for it", file=sys.stderr, flush=True)
+    print(f"{NOTICE}{line}; waiting for it", file=sys.stderr, flush=True)
     fcntl.flock(file, fcntl.LOCK_EX)
 
 

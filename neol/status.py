@@ -5,9 +5,8 @@ is under way, in its `.partial` folder; the next one is running, interrupted, fa
 and those after it are missing.
 """
 
-import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import cached_property
@@ -15,39 +14,22 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from neol import checkpoint
-from neol.campaign import RESULTS, blocks, run_specs
-from neol.errors import UserError
+from neol.cost import run_seconds
+from neol.errors import INTERRUPTED, NOTICE, TERMINATED, UserError
+from neol.jobs import SENSITIVITY, Job, jobs
 from neol.records import read_footer
 from neol.run import checkpoint_path, finished_path, is_running, partial_folder
-from neol.sensitivity import trials, variants
 from neol.spec import Configuration, RunSpec
 
 State = Literal["done", "running", "interrupted", "failed", "missing"]
 STATES: tuple[State, ...] = get_args(State)
 
-SENSITIVITY = "sensitivity"
 RECENT_RUNS = 20
 """As many of the latest runs say how fast runs finish at present."""
 LOG_BYTES = 2**16
 """As much of a log's end is read."""
-NO_FAILURE = re.compile(
-    r"neol: (interrupted|terminated|the reference engine plays|.*; waiting for it$)"
-    r"|KeyboardInterrupt"
-)
-"""How the last line of a log reads that ends in no error."""
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """The runs that one record will hold."""
-
-    part: str
-    """Of the campaign: a method, or `SENSITIVITY`."""
-    spec: RunSpec
-    """With the first of their seeds."""
-    seeds: Sequence[int]
-    record: Path
-    log: Path
+NO_FAILURE = (NOTICE, f"neol: {INTERRUPTED}", f"neol: {TERMINATED}", "KeyboardInterrupt")
+"""How the last line of a log begins that ends in no error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,23 +88,20 @@ class Folder:
 
     def __init__(self, path: Path, configuration: Configuration) -> None:
         self.path = path
-        self._jobs = list(_jobs(path, configuration))
+        self._jobs = list(jobs(configuration, path.parent))
         self._read: dict[Path, tuple[tuple[int, int], tuple[Finished, ...]]] = {}
 
     def look(self) -> list[Standing]:
         """How far each job is now."""
-        standings: list[Standing] = []
-        blamed: set[Path] = set()  # a log of several jobs is about the first that is not done
-        for job in self._jobs:
-            standing = self._standing(job)
-            if standing.state in ("interrupted", "missing") and job.log not in blamed:
-                blamed.add(job.log)
-                if reason := _failure(job.log):
-                    standing = replace(standing, state="failed", reason=reason)
-            standings.append(standing)
-        return standings
+        return [self._look(job) for job in self._jobs]
 
-    def _standing(self, job: Job) -> Standing:
+    def _look(self, job: Job) -> Standing:
+        standing = self._standing(job)
+        if standing.state in ("interrupted", "missing") and (reason := _failure(job.log)):
+            return replace(standing, state="failed", reason=reason)
+        return standing
+
+    def _standing(self, job: Job, looks: int = 3) -> Standing:
         partial = partial_folder(job.record)
         try:
             if job.record.exists():
@@ -132,8 +111,10 @@ class Folder:
                 return Standing(job, "missing")
             paths = [finished_path(partial, seed) for seed in job.seeds]
             finished = tuple(r for path in paths if path.exists() for r in self._runs(path, job))
-        except FileNotFoundError:
-            return self._standing(job)  # the job is done since: its runs have moved to its record
+        except FileNotFoundError as error:  # done since: its runs have moved to its record
+            if looks == 1:
+                return Standing(job, "failed", reason=f"{error.filename}: comes and goes")
+            return self._standing(job, looks - 1)
         except UserError as error:
             return Standing(job, "failed", reason=str(error))
         if not (unfinished := _unfinished(job, finished)):
@@ -154,7 +135,7 @@ class Folder:
                     held_out=info.held_out.mean,
                     cpu_seconds=info.cpu_seconds,
                     wall_seconds=info.wall_seconds,
-                    time=datetime.fromisoformat(info.provenance.time),
+                    time=_time(path, info.provenance.time),
                 )
                 for info in read_footer(path, job.spec).seeds
             )
@@ -162,24 +143,20 @@ class Folder:
         return self._read[path][1]
 
 
+def _time(path: Path, text: str) -> datetime:
+    """Raises UserError for what is no time with its zone."""
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError:
+        time = datetime.min
+    if time.tzinfo is None:
+        raise UserError(f"{path}: {text[:50]!r} is no time in UTC; restore it, or run anew")
+    return time
+
+
 def _unfinished(job: Job, finished: Iterable[Finished]) -> list[int]:
     done = {run.spec.seed for run in finished}
     return [seed for seed in job.seeds if seed not in done]
-
-
-def _jobs(folder: Path, configuration: Configuration) -> Iterator[Job]:
-    """Those of a budget, in the order of its file, and those of its sensitivity study."""
-    home = RESULTS / configuration.budget.name
-    logs = folder.absolute().parent.parent / "logs" / folder.name
-    for block in blocks(configuration):
-        below, spec = block.record.relative_to(home), run_specs(configuration, block)[0]
-        log = (logs / below).with_suffix(".log")
-        yield Job(block.cell.method, spec, block.seeds, folder / below, log)
-    for variant in variants():
-        for trial in trials(configuration, variant):
-            below = trial.record.relative_to(home)
-            log = logs / below.parent.with_name(f"{below.parent.name}.log")
-            yield Job(SENSITIVITY, trial.spec, trial.seeds, folder / below, log)
 
 
 def _failure(log: Path) -> str:
@@ -192,12 +169,17 @@ def _failure(log: Path) -> str:
         return ""
     last = next((line.strip() for line in reversed(lines) if line.strip()), "")
     is_error = last.startswith("neol: ") or "Traceback (most recent call last):" in lines
-    return last if is_error and not NO_FAILURE.match(last) else ""
+    return last if is_error and not last.startswith(NO_FAILURE) else ""
 
 
 # --- What it comes to ---------------------------------------------------------------------------
 
-BASES = ("its own runs", "runs of other populations", "runs of other methods")
+BASES = (
+    "its own runs",
+    "runs of other populations",
+    "runs of other methods",
+    "the shipped measurements",
+)
 """What a cost is estimated from, the best first."""
 
 
@@ -209,7 +191,7 @@ class Row:
     part: str
     states: Counter[State]
     core_hours: float | None
-    """What the rest will cost; None where nothing of the task was measured."""
+    """What the rest will cost; None where the task was never measured."""
     basis: str
     """One of `BASES`, the worst that was needed; empty where nothing is left or measured."""
 
@@ -298,7 +280,8 @@ class Status:
         for place, key in enumerate(_alike(spec)):
             if self._episodes[key]:
                 return _episodes(spec) * self._seconds[key] / self._episodes[key], place
-        return 0.0, len(BASES)
+        measured = run_seconds(spec)
+        return (0.0, len(BASES)) if measured is None else (measured, len(BASES) - 1)
 
 
 def _alike(spec: RunSpec) -> list[tuple[object, ...]]:

@@ -1,72 +1,13 @@
-"""What the Snakefile asks of the library: what to run and why, and whether it is alone."""
+"""What only the Snakefile asks: a pattern for its records, and whether it is alone."""
 
 import fcntl
 import platform
 import re
-import shlex
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO
 
-from neol.campaign import RESULTS, blocks, run_specs
-from neol.errors import UserError
-from neol.records import first_difference, read_spec
-from neol.sensitivity import trials, variants
-from neol.spec import Configuration, RunSpec
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """One call of `neol run`, and the record that it makes."""
-
-    record: Path
-    budget: str
-    spec: RunSpec
-    """With the first of its seeds."""
-    seeds: range
-    overrides: Sequence[str] = ()
-
-    @property
-    def arguments(self) -> str:
-        """The job as the command line of `neol run` has it."""
-        spec = self.spec
-        options = {
-            "budget": self.budget,
-            "task": spec.task.name,
-            "method": spec.method,
-            "population": spec.population,
-            "generations": spec.generations,
-            "seed": f"{self.seeds[0]}-{self.seeds[-1]}",
-        }
-        if spec.plasticity.rule != "none":
-            options["learning-rate"] = spec.plasticity.learning_rate
-        words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
-        return shlex.join([*words, *(word for each in self.overrides for word in ("--set", each))])
-
-    def reason(self) -> str | None:
-        """Why the record must be made; None where it is there and of this specification.
-
-        The record itself says what it was made of, whoever made it, wherever, whenever. One that
-        cannot be read counts as there: it is not overwritten, and its readers say what it is.
-        """
-        if not self.record.exists():
-            return f"{self.record} is missing"
-        try:
-            difference = first_difference(read_spec(self.record), self.spec)
-        except UserError:
-            return None
-        return difference and f"{self.record} is of another specification: {difference}"
-
-
-def jobs(configuration: Configuration) -> Iterator[Job]:
-    """All of a budget: its cells' blocks, and the trials of the sensitivity study."""
-    budget = configuration.budget.name
-    for block in blocks(configuration):
-        yield Job(block.record, budget, run_specs(configuration, block)[0], block.seeds)
-    for name, variant in variants().items():
-        for trial in trials(configuration, name):
-            yield Job(trial.record, budget, trial.spec, trial.seeds, variant.set)
+from neol.campaign import RESULTS
 
 
 def pattern(records: Iterable[Path]) -> str:
@@ -86,7 +27,9 @@ def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:
 
     Snakemake's locks are files and outlive it. Every workflow also holds a shared lock of the
     kernel's, which ends with the process: who gets it exclusively knows that no other one lives
-    here. Without such locks, or where another machine came first, nothing is removed.
+    here. Without such locks, or where another machine came first, nothing is removed. From the
+    exclusive to the shared lock there is an instant without any (flock(2)); another workflow that
+    comes then finds no locks yet, as Snakemake makes them later.
     """
     try:
         folder.mkdir(exist_ok=True)

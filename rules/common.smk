@@ -4,13 +4,14 @@ import sys
 from glob import glob
 from pathlib import Path
 
-from benchmarks.cost import walltime_minutes
 from neol.analysis.choice import candidates
 from neol.analysis.labels import HEATMAPS
 from neol.campaign import blocks
+from neol.cost import walltime_minutes
 from neol.errors import UserError
+from neol.jobs import jobs
 from neol.spec import budgets, load_configuration
-from neol.workflow import clear_stale_locks, jobs, pattern
+from neol.workflow import clear_stale_locks, pattern
 
 DEFAULT_BUDGET = "smoke"
 BUDGET = str(config.get("budget", DEFAULT_BUDGET))

@@ -82,7 +82,7 @@ def test_without_the_core_the_reference_engine_serves(
     digest_of.cache_clear()
     assert digest_of("lunar_lander", "bcm", "auto") == expected
     (notice,) = capsys.readouterr().err.splitlines()
-    assert notice.startswith("neol: the reference engine plays LunarLander-v3:")
+    assert notice.startswith("neol: note: the reference engine plays LunarLander-v3:")
     with pytest.raises(UserError, match="no fast engine for LunarLander-v3"):
         digest_of("lunar_lander", "bcm", "fast")
 

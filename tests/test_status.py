@@ -11,9 +11,11 @@ from neol import spec
 from neol import status as module
 from neol.cli import app
 from neol.cli import status as command
+from neol.cost import run_seconds
+from neol.jobs import Job
 from neol.records import join, write_record
 from neol.run import finished_path, partial_folder, run_block
-from neol.status import BASES, Folder, Job, Row, Standing, Status
+from neol.status import BASES, Folder, Row, Standing, Status
 from tests.analysis import made_up
 from tests.test_run import killer
 
@@ -59,6 +61,13 @@ def log(of: Job, text: str) -> None:
     of.log.write_text(text)
 
 
+@pytest.fixture
+def unmeasured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if no task had ever been measured."""
+    monkeypatch.setattr(module, "run_seconds", lambda _spec: None)
+
+
+@pytest.mark.usefixtures("unmeasured")
 def test_of_an_empty_folder_all_is_missing_and_no_cost_known(folder: Folder) -> None:
     status = Status(folder.look())
     assert status.states() == {"missing": 96}
@@ -83,6 +92,16 @@ def test_a_record_is_done(folder: Folder) -> None:
     assert {(run.best_fitness, run.held_out) for run in status.finished} == {(7.0, 6.0)}
 
 
+def test_where_nothing_is_done_a_run_costs_what_was_measured(folder: Folder) -> None:
+    hebb = [
+        s.job for s in folder.look() if (s.job.spec.task.name, s.job.part) == ("hopper", "hebb")
+    ]
+    seconds = sum(3 * (run_seconds(each.spec) or 0.0) for each in hebb)
+    assert row(folder, "hopper", "hebb").core_hours == pytest.approx(seconds / 3600.0)
+    assert row(folder, "hopper", "hebb").basis == "the shipped measurements"
+
+
+@pytest.mark.usefixtures("unmeasured")
 def test_the_rest_costs_what_the_nearest_finished_runs_did(folder: Folder) -> None:
     finish(job(folder), cpu_seconds=3600.0)  # Hebb's first of two rates at P = 6
     hebb = row(folder, "cartpole", "hebb")
@@ -142,8 +161,8 @@ def test_a_block_that_ends_during_the_look(folder: Folder, monkeypatch: pytest.M
         ("neol: x.parquet: cannot be written\n\n", "neol: x.parquet: cannot be written"),
         ("Traceback (most recent call last):\n  File\nKeyboardInterrupt\n", ""),
         ("neol: terminated: what is done is kept\n", ""),
-        ("neol: the reference engine plays CartPole-v1: no compiler\n", ""),
-        ("neol: x.partial: another process is running this; waiting for it\n", ""),
+        ("neol: note: the reference engine plays CartPole-v1: no compiler\n", ""),
+        ("neol: note: x.partial: another process is running this; waiting for it\n", ""),
         ("a warning\n", ""),
         ("", ""),
     ],
@@ -157,14 +176,25 @@ def test_a_log_that_ends_in_an_error(folder: Folder, text: str, reason: str) -> 
     assert standing(folder, this).states == {"done": 3}
 
 
-def test_a_log_of_several_jobs_is_about_the_first_that_is_not_done(folder: Folder) -> None:
+def test_each_trial_has_a_log_of_its_own(folder: Folder) -> None:
     first = job(folder, part="sensitivity")
+    trial = f"smoke/sensitivity/baseline/cartpole_{first.spec.method}"
+    assert str(first.record).endswith(f"/results/{trial}.parquet")
+    assert str(first.log).endswith(f"/logs/{trial}.log")
     log(first, "neol: no\n")
-    sharing = [s for s in folder.look() if s.job.log == first.log]
-    assert [s.state for s in sharing] == ["failed"] + ["missing"] * 3
-    finish(first)
-    sharing = [s for s in folder.look() if s.job.log == first.log]
-    assert [s.state for s in sharing] == ["done", "failed"] + ["missing"] * 2
+    assert [s.job for s in folder.look() if s.state == "failed"] == [first]
+
+
+def test_a_time_that_is_none_fails_its_job_only(folder: Folder) -> None:
+    this, other = job(folder), job(folder, place=1)
+    finish(other)
+    (info,) = (record := made_up.run(this.spec, "smoke", 7.0)).seeds
+    foreign = info.provenance.model_copy(update={"time": "yesterday"})
+    this.record.parent.mkdir(parents=True)
+    changed = (info.model_copy(update={"provenance": foreign}),)
+    write_record(this.record, dataclasses.replace(record, seeds=changed))
+    assert "'yesterday' is no time" in standing(folder, this).reason
+    assert standing(folder, other).state == "done"
 
 
 def test_a_record_that_cannot_be_used_has_failed(folder: Folder) -> None:
@@ -228,6 +258,7 @@ def smoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Folder:
     return Folder(Path("results/smoke"), CONFIGURATION)
 
 
+@pytest.mark.usefixtures("unmeasured")
 def test_status_is_plain_lines(smoke: Folder) -> None:
     finish(job(smoke), cpu_seconds=36.0)
     log(job(smoke, place=1), "neol: disk full\n")
@@ -273,8 +304,16 @@ def test_ctrl_c_ends_a_watch(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(command.time, "sleep", interrupt)
     outcome = CliRunner().invoke(app, ["status", "smoke", "--watch"])
+    assert outcome.exit_code == 130
+    assert outcome.stderr.endswith("neol: interrupted\n")
+    assert outcome.stdout.count("0 of 96 runs done") == 1
+
+
+@pytest.mark.usefixtures("smoke")
+def test_a_folder_that_does_not_exist_is_said() -> None:
+    outcome = CliRunner().invoke(app, ["status", "smoke"])
     assert outcome.exit_code == 0
-    assert outcome.stdout.count("0 of 96 runs done") == 2
+    assert outcome.stderr.startswith("neol: results/smoke does not exist (from ")
 
 
 def test_a_folder_of_no_budget_is_refused(tmp_path: Path) -> None:

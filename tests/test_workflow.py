@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from neol.campaign import RESULTS
+from neol.jobs import Job, jobs
 from neol.records import write_record
 from neol.spec import load_configuration
-from neol.workflow import Job, clear_stale_locks, jobs, pattern
+from neol.workflow import clear_stale_locks, pattern
 from tests.analysis.made_up import run
 from tests.test_cli import specification
 
@@ -32,7 +33,7 @@ def test_every_record_is_made_by_one_job() -> None:
 
 
 def test_the_reason_is_what_the_record_says(tmp_path: Path) -> None:
-    job = replace(JOBS[0], record=tmp_path / "a.parquet")
+    job = replace(JOBS[0], record=tmp_path / "a.parquet", seeds=range(1))
     assert job.reason() == f"{job.record} is missing"
     write_record(job.record, run(job.spec, "smoke", 1.0))
     assert job.reason() is None
@@ -40,6 +41,8 @@ def test_the_reason_is_what_the_record_says(tmp_path: Path) -> None:
     changed = replace(job, spec=job.spec.model_copy(update={"neat": neat}))
     difference = "neat.elitism is 2 there and 3 here"
     assert changed.reason() == f"{job.record} is of another specification: {difference}"
+    more = replace(job, seeds=range(5))
+    assert more.reason() == f"{job.record} is of other seeds than 0 to 4"
     job.record.write_bytes(b"damaged")
     assert job.reason() is None  # whoever reads it says so
 

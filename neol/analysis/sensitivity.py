@@ -1,6 +1,5 @@
 """How much each constant that the paper leaves open matters, against the baseline's runs."""
 
-import hashlib
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ import pandas as pd
 from neol.analysis.runs import Source
 from neol.analysis.statistics import Floats, estimate
 from neol.campaign import RESULTS
+from neol.errors import UserError
 from neol.records import read_record
 from neol.sensitivity import BASELINE, Trial, trials, variants
 from neol.spec import Configuration
@@ -66,14 +66,13 @@ def _read(trial: Trial, results: Path) -> tuple["pd.Series[float]", list[Source]
     if not path.exists():
         return pd.Series(dtype=np.float64), []
     record = read_record(path, trial.spec)
+    if [info.seed for info in record.seeds] != list(trial.seeds):
+        raise UserError(
+            f"{path}: does not hold seeds {trial.seeds[0]} to {trial.seeds[-1]}, those of the "
+            "study; remove it and run anew"
+        )
     held_out = {info.seed: info.held_out.mean for info in record.seeds}
-    source = Source(
-        path=str(Path(results.resolve().name, below)),
-        sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
-        spec=record.spec_digest,
-        runs={info.seed: info.digest for info in record.seeds},
-    )
-    return pd.Series(held_out, dtype=np.float64), [source]
+    return pd.Series(held_out, dtype=np.float64), [Source.of(record, results, below)]
 
 
 def _mean(sample: Floats) -> Floats:

@@ -1,12 +1,13 @@
 """The application: how its commands fail, what their options share."""
 
+import os
 import sys
 from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperGroup
 
-from neol.errors import UserError
+from neol.errors import INTERRUPTED, UserError
 
 COMMANDS = {
     "Running": ("run", "status"),
@@ -20,6 +21,7 @@ EXIT_CODES = {
     2: "something to mend: input, disk, environment",
     3: "a check or a replay does not agree",
     130: "interrupted",
+    141: "nobody read on",
     143: "terminated",
 }
 DISAGREES = 3
@@ -44,6 +46,19 @@ class Commands(TyperGroup):
                     for name in names
                 )
 
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; what ends it from outside is told by the exit code."""
+        try:
+            result = super().invoke(ctx)
+            sys.stdout.flush()
+        except KeyboardInterrupt:
+            complain(INTERRUPTED)
+            raise typer.Exit(130) from None
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nor is what is left at exit written
+            raise typer.Exit(141) from None
+        return result
+
     def main(self, *args: Any, **extra: Any) -> NoReturn:
         """Run a command and exit."""
         extra["standalone_mode"] = False
@@ -51,6 +66,11 @@ class Commands(TyperGroup):
             status = super().main(*args, **extra)
         except UserError as error:
             complain(str(error))
+            status = 2
+        except OSError as error:
+            if error.filename is None:
+                raise
+            complain(f"{error.filename}: {error.strerror}; mend it or choose another place")
             status = 2
         except typer.TyperException as error:
             message = " ".join(error.format_message().split())

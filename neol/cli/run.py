@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 import typer
 
 from neol.cli.application import Budget, Overrides, app, complain, examples
-from neol.errors import UserError
+from neol.errors import INTERRUPTED, TERMINATED, UserError
 from neol.rules import RULES, WITHOUT_RULE
 
 if TYPE_CHECKING:
@@ -166,7 +166,7 @@ def _interruptible(output: Path) -> Iterator[None]:
             else "no generation was done yet, so nothing is kept"
         )
         terminated = isinstance(stop, Terminated)
-        complain(f"{'terminated' if terminated else 'interrupted'}: {way_on}")
+        complain(f"{TERMINATED if terminated else INTERRUPTED}: {way_on}")
         raise typer.Exit(143 if terminated else 130) from None
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -1,13 +1,12 @@
 """`neol status`: how far a campaign is, what failed, what the rest will cost."""
 
-import contextlib
 import time
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from neol.cli.application import app, examples
+from neol.cli.application import app, complain, examples
 
 WATCH_SECONDS = 2.0
 PIPED_WIDTH = 200
@@ -34,12 +33,14 @@ def status(
 
     path = RESULTS / campaign if len(campaign.parts) == 1 else campaign
     folder = Folder(path, load_configuration(path.name))
+    if not path.is_dir():
+        complain(f"{path} does not exist (from {Path.cwd()}), so all is missing")
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = PIPED_WIDTH
     now = Status(folder.look())
     if watch:
-        with contextlib.suppress(KeyboardInterrupt), Display(console) as display:
+        with Display(console) as display:
             while not now.over:
                 display.show(summary(path, now), picture(path, now))
                 time.sleep(WATCH_SECONDS)

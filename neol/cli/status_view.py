@@ -85,7 +85,7 @@ def _outlook(status: Status) -> str:
 
 def _name(spec: RunSpec, seed: int) -> str:
     rate = spec.plasticity.learning_rate
-    eta = f" eta={rate:g}" if spec.plasticity.rule != "none" else ""
+    eta = f" eta={rate:g}" if spec.plasticity.learns else ""
     return f"{spec.task.name} {spec.method} P={spec.population}{eta} seed {seed}"
 
 

@@ -4,7 +4,7 @@ import sys
 from functools import partial
 from typing import Literal
 
-from neol.errors import UserError
+from neol.errors import NOTICE, UserError
 from neol.rollout.engine import Engine, Rollouts
 from neol.spec import Task
 
@@ -34,7 +34,7 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
         if choice == "fast":
             raise UserError(f"no fast engine for {task.environment}: {engine}; use --engine auto")
         if task.environment in TASKS:
-            notice = f"neol: the reference engine plays {task.environment}: {engine}"
+            notice = f"{NOTICE}the reference engine plays {task.environment}: {engine}"
             print(notice, file=sys.stderr)
     if workers == 1:
         return ReferenceEngine(task)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from benchmarks.cost import run_seconds, shipped, walltime_minutes
+from neol.cost import run_seconds, shipped, walltime_minutes
 from benchmarks.scaling import comparison
 from neol.spec import RunSpec, load_configuration
 
