@@ -284,6 +284,29 @@ def test_signals_keep_a_checkpoint(sent: signal.Signals, status: int, tmp_path: 
     assert names(tmp_path) == ["a.parquet.partial", "lock", "seed_000000.npz"]
 
 
+def test_a_path_that_the_system_refuses_is_one_line() -> None:
+    assert "aaa: File name too long; mend that" in refused(f"verify {'a' * 300}")
+
+
+def test_ctrl_c_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(_self: Path) -> bool:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "exists", interrupt)
+    outcome = neol("verify a.parquet")
+    assert (outcome.exit_code, outcome.stdout) == (130, "")
+    assert outcome.stderr == "neol: interrupted\n"
+
+
+def test_who_reads_no_further_is_told_nothing(tmp_path: Path) -> None:
+    process = start("config --budget smoke", tmp_path)
+    assert process.stdout is not None and process.stderr is not None
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    assert process.wait() == 141
+    process.stderr.close()
+
+
 @pytest.mark.slow
 def test_piped_output_is_plain_lines(tmp_path: Path) -> None:
     process = start(f"run {TINY} --seed 0,1 --output a.parquet", tmp_path)

@@ -262,7 +262,8 @@ def test_two_on_the_same_output() -> None:
     assert line.startswith("neol: run.parquet.partial: another process is running this; wait")
     second = Child(MANY)
     line = os.read(second.said, 1000).decode()
-    assert line == "neol: note: run.parquet.partial: another process is running this; waiting for it\n"
+    reason = "run.parquet.partial: another process is running this; waiting for it"
+    assert line == f"neol: note: {reason}\n"
     os.kill(first.pid, signal.SIGCONT)
     assert first.end() == second.end() == (0, [])
     assert names(Path()) == ["run.parquet"]

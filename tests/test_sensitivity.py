@@ -6,10 +6,12 @@ from pathlib import Path
 import pytest
 
 from neol.analysis.sensitivity import sensitivity
+from neol.campaign import RESULTS
 from neol.errors import UserError
+from neol.records import write_record
 from neol.sensitivity import BASELINE, STUDY, trials, variants
 from neol.spec import budgets, load_configuration
-from tests.analysis.made_up import write_trials
+from tests.analysis.made_up import run, write_trials
 
 SMOKE = load_configuration("smoke")
 
@@ -58,6 +60,15 @@ def test_every_record_has_a_place_of_its_own() -> None:
 def test_an_unknown_variant_is_refused() -> None:
     with pytest.raises(UserError, match='unknown variant "beta 7"'):
         trials(SMOKE, "beta 7")
+
+
+def test_a_trial_of_other_seeds_is_refused(tmp_path: Path) -> None:
+    write_trials(tmp_path, SMOKE, {BASELINE: 0.0})
+    (trial, *_) = trials(SMOKE, BASELINE)
+    path = tmp_path / trial.record.relative_to(RESULTS)
+    write_record(path, run(trial.spec, SMOKE.budget.name, 0.0))
+    with pytest.raises(UserError, match=f"{path.name}: does not hold seeds 1000000 to 1000002"):
+        sensitivity(SMOKE, tmp_path)
 
 
 def test_the_effect_of_a_variant(tmp_path: Path) -> None:

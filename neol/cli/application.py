@@ -47,7 +47,7 @@ class Commands(TyperGroup):
                 )
 
     def invoke(self, ctx: Any) -> Any:
-        """Run a command; what ends it from outside is told by the exit code."""
+        """Run a command. What ends it from outside is told in a line and by the exit code."""
         try:
             result = super().invoke(ctx)
             sys.stdout.flush()
@@ -57,6 +57,11 @@ class Commands(TyperGroup):
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nor is what is left at exit written
             raise typer.Exit(141) from None
+        except OSError as error:  # such as of a folder that may not be entered
+            if error.filename is None:
+                raise
+            line = f"{error.filename}: {error.strerror}; mend that or choose another place"
+            raise UserError(line) from error
         return result
 
     def main(self, *args: Any, **extra: Any) -> NoReturn:
@@ -66,11 +71,6 @@ class Commands(TyperGroup):
             status = super().main(*args, **extra)
         except UserError as error:
             complain(str(error))
-            status = 2
-        except OSError as error:
-            if error.filename is None:
-                raise
-            complain(f"{error.filename}: {error.strerror}; mend it or choose another place")
             status = 2
         except typer.TyperException as error:
             message = " ".join(error.format_message().split())
