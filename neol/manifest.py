@@ -12,7 +12,8 @@ from pydantic_core import PydanticCustomError
 from neol.complaint import one_line
 from neol.errors import UserError
 from neol.files import read_bounded, write_atomically
-from neol.records import Record, read_record
+from neol.records import MAX_BYTES as MAX_RECORD_BYTES
+from neol.records import Record, parse_record
 from neol.spec import Model
 
 NAME = "manifest.json"
@@ -43,15 +44,14 @@ class Entry(Model):
     """Those that made its runs, sorted; with -dirty where code or constants differed."""
 
     @classmethod
-    def of(cls, path: Path, record: Record, folder: Path) -> Self:
-        """The entry of a record that lies below a folder."""
-        made_by = [info.provenance for info in record.seeds]
+    def of(cls, path: str, content: bytes, record: Record) -> Self:
+        """The entry of a record, read from this content."""
         return cls(
-            path=path.relative_to(folder).as_posix(),
-            sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+            path=path,
+            sha256=hashlib.sha256(content).hexdigest(),
             spec_digest=record.spec_digest,
             seeds=tuple(info.seed for info in record.seeds),
-            commits=tuple(sorted({f"{p.commit}{'-dirty' * bool(p.dirty)}" for p in made_by})),
+            commits=tuple(sorted({info.provenance.code() for info in record.seeds})),
         )
 
 
@@ -80,8 +80,9 @@ def write_manifest(folder: Path) -> Manifest:
     entries: list[Entry] = []
     budgets: dict[str | None, Path] = {}
     for path in records_below(folder):
-        record = read_record(path)
-        entries.append(Entry.of(path, record, folder))
+        content = read_bounded(path, MAX_RECORD_BYTES)
+        record = parse_record(path, content)
+        entries.append(Entry.of(path.relative_to(folder).as_posix(), content, record))
         budgets.setdefault(record.budget, path)
     if not entries:
         raise UserError(f"{folder}: holds no records")

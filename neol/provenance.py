@@ -29,6 +29,10 @@ class Provenance(Model):
     time: str
     """When the run finished: UTC, ISO 8601."""
 
+    def code(self, digits: int | None = None) -> str:
+        """The commit, so many digits of it; with -dirty where code or constants differed."""
+        return f"{f'{self.commit}'[:digits]}{'-dirty' * bool(self.dirty)}"
+
 
 def provenance() -> Provenance:
     """Of a run that finishes now, in this process."""

@@ -1,10 +1,13 @@
 """Verification of records as they lie there, in milliseconds each; no run is repeated.
 
+What a budget has in a folder with a manifest is listed once and takes longer.
+
 `neol.verify_replay` repeats runs, `neol.verify_place` knows manifests.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +15,23 @@ import numpy as np
 
 from neol import manifest
 from neol.errors import UserError
+from neol.files import read_bounded
 from neol.manifest import records_below
-from neol.records import HeldOut, Record, SeedInfo, read_record
+from neol.records import MAX_BYTES, HeldOut, Record, SeedInfo, parse_record
 from neol.spec import RunSpec
-from neol.verify_place import Shelf, Shelves
+from neol.verify_place import ManifestFolders, Places, absolute
 
 ROUNDING = 1e-9
 """Relative: what is smaller may come from adding up in another order."""
+
+SIZES = {
+    "CartPole-v1": (4, 2),
+    "LunarLander-v3": (8, 4),
+    "Hopper-v4": (11, 3),
+    "BipedalWalker-v3": (24, 4),
+    "BipedalWalkerHardcore-v3": (24, 4),
+}
+"""Inputs and outputs in the paper's environments: making one to ask it takes seconds."""
 
 Rows = dict[str, Any]
 """The columns of a run."""
@@ -53,55 +66,84 @@ class Checked:
 
 
 class Verification:
-    """The check of a record, or of all below a folder and the manifests that they stand in.
+    """The check of records, those below folders too, and of the manifests that they stand in.
 
     Raises UserError where there is nothing to check.
     """
 
-    def __init__(self, path: Path) -> None:
-        if not path.exists():
-            raise UserError(f"{path}: there is no such file or folder")
-        self.path = path
-        self.records: Sequence[Path] = list(records_below(path)) if path.is_dir() else [path]
-        self._shelves = Shelves(path)
-        if not self.records and not self._shelves.all(path):
-            raise UserError(f"{path}: holds no records")
+    def __init__(self, paths: Sequence[Path]) -> None:
+        self._roots = {absolute(path): path for path in paths}
+        self._folders = ManifestFolders()
+        records: dict[Path, None] = {}
+        for root, path in self._roots.items():
+            if not path.exists():
+                raise UserError(f"{path}: there is no such file or folder")
+            below = list(records_below(root)) if root.is_dir() else [root]
+            if not below and not self._folders.around(root):
+                raise UserError(f"{path}: holds no records")
+            records |= dict.fromkeys(below)
+        self.records = list(records)
+        """Their absolute paths, each once."""
+        self._places = cache(Places)
+        self._found: dict[str, set[str]] = {}
 
     def check(self) -> Iterator[Checked]:
         """Each record, by itself and in its place."""
         for path in self.records:
-            yield _check(path, self._shelves.of(path))
+            yield self._check(path)
 
     def manifest_findings(self) -> Iterator[Finding]:
-        """What is wrong with manifests: damaged, not there, naming what is not there."""
-        for shelf in self._shelves.all(self.path):
-            if shelf.damage:
-                yield Finding(shelf.folder / manifest.NAME, shelf.damage)
-            for path in shelf.missing(self.path, set(self.records)):
-                yield Finding(path, f"missing, {manifest.NAME} names it; restore it or run anew")
-        loose = [path for path in self.records if self._shelves.of(path) is None]
-        if loose and self.path.is_dir():
-            yield Finding(
-                loose[0],
-                f"in no {manifest.NAME}, so lost or exchanged records go unnoticed; "
-                "neol manifest FOLDER writes one",
-            )
+        """What is wrong with manifests: damaged, naming what is not there, or less than all."""
+        folders = {f.folder: f for root in self._roots for f in self._folders.around(root)}
+        for folder in folders.values():
+            if folder.damage:
+                yield Finding(self._as_given(folder.folder / manifest.NAME), folder.damage)
+            for path, meaning in folder.missing(self.records):
+                if any(root in (path, *path.parents) for root in self._roots):
+                    yield Finding(self._as_given(path), meaning)
 
+    def notes(self) -> Iterator[str]:
+        """After the check: how much of its budgets is there, and what no manifest vouches for."""
+        for budget, found in self._found.items():
+            all_of_it = len(self._places(budget).blocks)
+            yield f"{len(found):,} of {all_of_it:,} records of budget {budget}"
+        if loose := sum(self._folders.above(path) is None for path in self.records):
+            yield f"{loose:,} in no {manifest.NAME} (neol manifest FOLDER writes one)"
 
-def _check(path: Path, shelf: Shelf | None) -> Checked:
-    try:
-        record = read_record(path)
-    except UserError as error:
-        return Checked(path, (), (Finding(path, str(error).removeprefix(f"{path}: ")),))
-    findings = [finding for info in record.seeds for finding in _check_run(path, record, info)]
-    if shelf is not None:
-        findings += [Finding(path, problem) for problem in shelf.problems(path, record)]
-    return Checked(path, tuple(info.seed for info in record.seeds), tuple(findings))
+    def _check(self, path: Path) -> Checked:
+        shown = self._as_given(path)
+        try:
+            content = read_bounded(path, MAX_BYTES)
+            record = parse_record(path, content)
+        except UserError as error:
+            return Checked(shown, (), (Finding(shown, str(error).removeprefix(f"{path}: ")),))
+        findings = [finding for info in record.seeds for finding in _check_run(shown, record, info)]
+        if folder := self._folders.above(path):
+            problems = folder.problems(path, content, record)
+            findings += [Finding(shown, problem) for problem in problems]
+        if record.budget is not None:
+            blocks = self._places(record.budget).blocks
+            tails = ("/".join(path.parts[first:]) for first in range(1, len(path.parts)))
+            for name in blocks.keys() & set(tails):
+                self._found.setdefault(record.budget, set()).add(name)
+        return Checked(shown, tuple(info.seed for info in record.seeds), tuple(findings))
+
+    def _as_given(self, path: Path) -> Path:
+        """A path below one that was named, as that was written."""
+        for root, given in self._roots.items():
+            if root in (path, *path.parents):
+                return given / path.relative_to(root)
+        return path
 
 
 def _check_run(path: Path, record: Record, info: SeedInfo) -> Iterator[Finding]:
     """What no run can have come to, sealed or not."""
     rows = record.rows_of(info.seed)
+    size = SIZES.get(record.spec.task.environment)
+    if size and size != (info.inputs, info.outputs):
+        values = f"{info.inputs} inputs, {info.outputs} outputs"
+        meaning = f"{record.spec.task.environment} has {size[0]} and {size[1]}: edited"
+        yield Finding(path, meaning, info.seed, values=values)
     for column, possible, meaning in _possible(rows, record.spec, info):
         if not possible.all():
             first = int(np.argmin(possible))
@@ -138,3 +180,12 @@ def _possible(rows: Rows, spec: RunSpec, info: SeedInfo) -> Iterator[tuple[str, 
         yield column, rows[column] >= info.outputs, "fewer than there are outputs"
     for column in ("sd_fitness", "connections_mean", "connections_best", "weight_change_mean"):
         yield column, rows[column] >= 0, "negative"
+    if not spec.plasticity.learns:
+        change = rows["weight_change_mean"]
+        yield "weight_change_mean", change == 0, "weights changed, but there is no rule"
+    limit = spec.evaluation.step_limit
+    over = rows["generation"] == spec.generations
+    if limit is not None:
+        over |= rows["env_steps"] >= limit
+    last = rows["generation"] == len(over)
+    yield "env_steps", over == last, "the run ends elsewhere than where its budget is used up"

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from neol.errors import UserError
 from neol.evolution import COLUMNS, Evolution
 from neol.neat.population import Population
 from neol.provenance import Provenance, provenance
@@ -70,12 +71,14 @@ def draw(runs: Iterable[Run], count: int, seed: int) -> list[Run]:
 
 
 def replay(run: Run, generations: int) -> Replay:
-    """Repeat a run's first generations; with its last one, digest and champion are compared too."""
-    record, info = _read(run)
-    spec, stored = record.spec_of(info.seed), record.rows_of(info.seed)
+    """Repeat a run's first generations; with its last one, digest and champion are compared too.
+
+    Raises UserError for a rule or an environment that is not known here.
+    """
+    record, info, evolution = _begin(run)
+    spec, stored = evolution.spec, record.rows_of(info.seed)
     generations = min(generations, len(stored["generation"]))
     complete = generations == len(stored["generation"])
-    evolution = Evolution.begin(spec, *network_size(spec.task))
     differences = []
     with contextlib.closing(make_engine(spec.task)) as engine:
         for number in range(generations):
@@ -92,21 +95,24 @@ def replay(run: Run, generations: int) -> Replay:
 
 
 def replay_champion(run: Run) -> Replay:
-    """Repeat the held-out episodes of a run's champion."""
-    record, info = _read(run)
-    spec = record.spec_of(info.seed)
-    evolution = Evolution.begin(spec, *network_size(spec.task))
+    """Repeat the held-out episodes of a run's champion. Raises UserError as `replay` does."""
+    _, info, evolution = _begin(run)
     evolution.population = Population.of([info.champion.genome()])
-    with contextlib.closing(make_engine(spec.task)) as engine:
+    with contextlib.closing(make_engine(evolution.spec.task)) as engine:
         again = HeldOut.of(evolution.held_out_returns(engine))
     differences = _compare(None, "held_out.returns", info.held_out.returns, again.returns)
     return Replay(run, info.provenance, 0, False, tuple(differences))
 
 
-def _read(run: Run) -> tuple[Record, SeedInfo]:
+def _begin(run: Run) -> tuple[Record, SeedInfo, Evolution]:
+    """What is stored of a run, and the run before its first generation."""
     path, seed = run
     record = read_record(path)
-    return record, record.info(seed)
+    info, spec = record.info(seed), record.spec_of(seed)
+    inputs, outputs = network_size(spec.task)
+    if (inputs, outputs) != (info.inputs, info.outputs):
+        raise UserError(f"{spec.task.environment} has {inputs} inputs and {outputs} outputs")
+    return record, info, Evolution.begin(spec, inputs, outputs)
 
 
 def _compare(generation: int | None, column: str, old: object, new: object) -> list[Difference]:
@@ -136,10 +142,10 @@ def _meaning(this: Replay) -> str:
         return f"edited: {reason}"
     here = provenance()
     apart = machine_differences(this.made_by, here)
-    code = ""
-    if here.dirty or here.commit != this.made_by.commit:
-        there = f"{this.made_by.commit}"[:10]
-        code = f", or made by other code (commit {there} there, {f'{here.commit}'[:10]} here)"
+    code, dirty = "", here.dirty or this.made_by.dirty
+    if dirty or here.commit != this.made_by.commit:
+        there = this.made_by.code(10)
+        code = f", or made by other code (commit {there} there, {here.code(10)} here)"
     if not apart:
         return f"edited{code}: this machine has the same versions, CPU and libc"
     if this.differences[0].in_last_bits:
@@ -184,8 +190,11 @@ def libm_digest() -> str:
 
 def machine_differences(there: Provenance, here: Provenance) -> str:
     """What of two machines may make last bits differ: empty where nothing does."""
-    pairs = {name: (old, here.versions.get(name)) for name, old in there.versions.items()}
-    del pairs["neol"]
+    pairs = {
+        name: (old, here.versions.get(name))
+        for name, old in there.versions.items()
+        if name != "neol"
+    }
     pairs["CPU"] = there.cpu.partition(" x ")[2], here.cpu.partition(" x ")[2]
     pairs["libc"] = there.libc, here.libc
     if platform.machine() not in there.platform:

@@ -3,24 +3,26 @@
 import dataclasses
 import hashlib
 import json
+import os
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from neol import records
-from neol.campaign import blocks, run_specs
+from neol.campaign import RESULTS, Block, blocks, run_specs
 from neol.errors import UserError
 from neol.manifest import NAME, Entry, write_manifest
 from neol.provenance import Provenance
 from neol.records import HeldOut, read_record, write_record
 from neol.run import run_block
-from neol.spec import load_configuration
+from neol.spec import Configuration, load_configuration
 from tests.test_records import forge
 
 Json = dict[str, Any]
@@ -59,6 +61,17 @@ def make_campaign(folder: Path) -> None:
     write_manifest(folder)
 
 
+def patch_budget() -> Any:
+    """Let the budget be these three records; a context manager."""
+
+    def few(configuration: Configuration) -> list[Block]:
+        home = RESULTS / configuration.budget.name
+        names = [home / name for name in (OJA, HEBB, NEAT)]
+        return [block for block in blocks(configuration) if block.record in names]
+
+    return mock.patch("neol.verify_place.blocks", few)
+
+
 def update_manifest(folder: Path, *, add: str = "") -> None:
     """Make a manifest's entries those of its records as they are now, as a careful liar would."""
     path = folder / NAME
@@ -68,7 +81,8 @@ def update_manifest(folder: Path, *, add: str = "") -> None:
     for entry in content["records"]:
         record = folder / entry["path"]
         try:
-            entry |= Entry.of(record, read_record(record), folder).model_dump(mode="json")
+            new = Entry.of(entry["path"], record.read_bytes(), read_record(record))
+            entry |= new.model_dump(mode="json")
         except UserError:
             entry["sha256"] = hashlib.sha256(record.read_bytes()).hexdigest()
     content["records"].sort(key=lambda entry: entry["path"])
@@ -140,11 +154,11 @@ BYTES = [
 # --- Contents of a record; record and manifest are sealed anew, so that all hashes are right ------
 
 
-def edit(change: Change) -> Callable[[Path], None]:
+def edit(change: Change, name: str = OJA) -> Callable[[Path], None]:
     """Change a record, seal it anew, and so the manifest."""
 
     def do(folder: Path) -> None:
-        forge(folder / OJA, change)
+        forge(folder / name, change)
         update_manifest(folder)
 
     return do
@@ -228,9 +242,36 @@ def edited_spec(metadata: Json, _: Json) -> None:
     metadata["spec"]["neat"]["elitism"] = 1
 
 
+def seal_spec(metadata: Json) -> None:
+    metadata["spec_digest"] = hashlib.sha256(records._canonical(metadata["spec"])).hexdigest()
+
+
 def edited_spec_and_digest(metadata: Json, rows: Json) -> None:
     edited_spec(metadata, rows)
-    metadata["spec_digest"] = hashlib.sha256(records._canonical(metadata["spec"])).hexdigest()
+    seal_spec(metadata)
+
+
+def cut_short(metadata: Json, rows: Json) -> None:
+    metadata["spec"]["evaluation"]["step_limit"] = 10**9
+    seal_spec(metadata)
+    for column in rows.values():
+        del column[5]
+    metadata["seeds"][1]["champion"]["fitness"] = rows["best_fitness"][4]
+
+
+def fewer_seeds(metadata: Json, rows: Json) -> None:
+    del metadata["seeds"][2]
+    for column in rows.values():
+        del column[6:]
+
+
+def relabelled(metadata: Json, _: Json) -> None:
+    metadata["spec"]["task"]["environment"] = "LunarLander-v3"
+    seal_spec(metadata)
+
+
+def learning_without_rule(_: Json, rows: Json) -> None:
+    rows["weight_change_mean"][4] = 0.5
 
 
 def set_held_out(info: Json, returns: list[float]) -> None:
@@ -317,6 +358,10 @@ CONTENTS = [
         "a champion's connection from nowhere",
         edit(of_seed(lambda i: i["champion"]["connections"][0].__setitem__(1, 99))),
     ),
+    Plant("a seed dropped, rows and metadata", edit(fewer_seeds)),
+    Plant("the last generation dropped, under a budget of steps", edit(cut_short)),
+    Plant("marked as of another environment", edit(relabelled)),
+    Plant("weights that change without a rule", edit(learning_without_rule, NEAT)),
     Plant("a run's number of inputs", edit(of_seed(lambda i: i.update(inputs=3)))),
     Plant("a held-out return lost", edit(of_seed(lambda i: i["held_out"]["returns"].pop()))),
     Plant(
@@ -370,6 +415,16 @@ def rerun(
     return do
 
 
+def dropped(folder: Path) -> None:
+    (folder / OJA).unlink()
+    write_manifest(folder)
+
+
+def pipe(folder: Path) -> None:
+    (folder / OJA).unlink()
+    os.mkfifo(folder / OJA)
+
+
 def impostor(folder: Path) -> None:
     shutil.copy(folder / HEBB, folder / OJA)
     update_manifest(folder)
@@ -394,6 +449,8 @@ FILES = [
     Plant("a record copied", move("cartpole/oja/p006_lr0.25/copy.parquet", copy=True)),
     Plant("two records exchanged", exchange),
     Plant("a folder in a record's place", folder_for_file),
+    Plant("a pipe in a record's place", pipe),
+    Plant("a record dropped, manifest made anew", dropped),
     Plant("another cell's record, manifest made anew", impostor),
     Plant("a record of no known name, manifest made anew", stranger),
     Plant("a run of other constants, manifest made anew", rerun(population=7)),
@@ -420,7 +477,6 @@ def entry(**changes: Any) -> Callable[[Path], None]:
 
 
 MANIFEST = [
-    Plant("the manifest removed", lambda folder: (folder / NAME).unlink()),
     Plant("truncated", lambda folder: (folder / NAME).write_text((folder / NAME).read_text()[:99])),
     Plant("another version", manifest(lambda content: content.update(version=2))),
     Plant("an unknown key", entry(extra=1)),

@@ -17,10 +17,10 @@ from typer.testing import CliRunner
 
 from neol.cli import app
 from neol.spec import ROOT
-from tests.planted_errors import MADE_BY, OJA, PLANTS, Plant, make_campaign
+from tests.planted_errors import MADE_BY, OJA, PLANTS, Plant, make_campaign, patch_budget
 from tests.test_digests import SAME_LAST_BITS
 
-PAGE = ROOT / "docs" / "verification.md"
+PAGE = ROOT / "docs" / "planted-errors.md"
 TABLE = re.compile(r"(?<=<!-- planted errors -->\n).*(?=<!-- end -->)", re.DOTALL)
 LONGEST = 160
 EVERY = [
@@ -42,6 +42,7 @@ def _campaign(parent: Path) -> Iterator[Path]:
     with contextlib.ExitStack() as stack:
         for module in ("neol.run", "neol.verify_replay"):
             stack.enter_context(mock.patch(f"{module}.provenance", return_value=MADE_BY))
+        stack.enter_context(patch_budget())
         make_campaign(parent / "original")
         yield parent / "original"
 

@@ -1,6 +1,8 @@
 """Verification and replays: what a difference means, draws, manifests. Errors: planted_errors."""
 
 import dataclasses
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -9,16 +11,29 @@ from typer.testing import CliRunner, Result
 from neol.cli import app
 from neol.errors import UserError
 from neol.manifest import NAME, read_manifest, write_manifest
+from neol.rollout.reference import network_size
+from neol.spec import load_configuration
+from neol.verify import SIZES
 from neol.verify_replay import (
     LIBM_DIGEST,
     Difference,
     Replay,
+    Run,
     draw,
     findings,
     libm_digest,
     machine_differences,
 )
-from tests.planted_errors import MADE_BY, OJA, make_campaign
+from tests.planted_errors import (
+    HEBB,
+    MADE_BY,
+    NEAT,
+    OJA,
+    Json,
+    make_campaign,
+    patch_budget,
+    seal_spec,
+)
 from tests.test_digests import SAME_LAST_BITS
 from tests.test_records import forge
 
@@ -30,10 +45,11 @@ LARGE = [Difference(2, name, 1.0, 5.0) for name in ("best_fitness", "mean_fitnes
 
 
 @pytest.fixture(scope="module")
-def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("results") / "smoke"
     make_campaign(folder)
-    return folder
+    with patch_budget():
+        yield folder
 
 
 def neol(*arguments: object) -> Result:
@@ -72,6 +88,10 @@ def replayed(*differences: Difference, made_by: object = MADE_BY, **changes: obj
             replayed(*LARGE, made_by=MADE_BY.model_copy(update={"commit": "fedcba987654"})),
             "edited, or made by other code (commit fedcba9876 there, 0123456789 here): this",
         ),
+        (
+            replayed(*LARGE, made_by=MADE_BY.model_copy(update={"dirty": True})),
+            "edited, or made by other code (commit 0123456789-dirty there, 0123456789 here): this",
+        ),
     ],
 )
 def test_what_a_difference_means(
@@ -90,6 +110,7 @@ def test_the_same_machine_has_no_differences_though_its_cores_are_others(
     monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: LIBM_DIGEST)
     here = MADE_BY.model_copy(update={"cpu": "64 x some CPU", "host": "there"})
     assert machine_differences(MADE_BY, here) == ""
+    assert machine_differences(MADE_BY.model_copy(update={"versions": {}}), here) == ""
     monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: "")
     assert machine_differences(MADE_BY, here).startswith("sine or tanh is glibc's")
 
@@ -126,28 +147,110 @@ def test_a_manifest_of_several_budgets_or_of_nothing_is_refused(
         write_manifest(tmp_path)
 
 
-def test_records_alone_need_no_manifest_and_folders_do(campaign: Path, tmp_path: Path) -> None:
+def test_what_no_manifest_vouches_for_is_said(campaign: Path, tmp_path: Path) -> None:
     (tmp_path / "a.parquet").write_bytes((campaign / OJA).read_bytes())
-    alone = neol("verify", tmp_path / "a.parquet")
-    assert (alone.exit_code, alone.stdout) == (0, "1 record of 3 runs checked: all well\n")
-    folder = neol("verify", tmp_path)
-    assert folder.exit_code == 3
-    assert "a.parquet: in no manifest.json" in folder.stdout
+    for path in (tmp_path, tmp_path / "a.parquet"):
+        outcome = neol("verify", path)
+        assert outcome.exit_code == 0
+        assert outcome.stdout == (
+            "1 record of 3 runs checked, 1 in no manifest.json (neol manifest FOLDER writes one): "
+            "all well\n"
+        )
 
 
 def test_a_part_of_a_folder_is_checked_against_the_manifest_above(campaign: Path) -> None:
     part = neol("verify", campaign / "cartpole" / "oja")
-    assert part.stdout == "1 record of 3 runs checked: all well\n"
+    said = "1 record of 3 runs checked, 1 of 3 records of budget smoke: all well\n"
+    assert part.stdout == said
+
+
+def test_an_unfinished_campaign_is_no_finding_but_said(campaign: Path, tmp_path: Path) -> None:
+    shutil.copytree(campaign, tmp_path / "smoke")
+    (tmp_path / "smoke" / OJA).unlink()
+    (tmp_path / "smoke" / NAME).unlink()
+    outcome = neol("verify", tmp_path)
+    assert outcome.exit_code == 0
+    assert "2 of 3 records of budget smoke, 2 in no manifest.json" in outcome.stdout
+    write_manifest(tmp_path / "smoke")
+    assert f"{OJA}: missing, and manifest.json leaves it out" in neol("verify", tmp_path).stdout
+
+
+def test_what_is_found_does_not_depend_on_where_one_stands(
+    campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(campaign, tmp_path / "smoke")
+    record = tmp_path / "smoke" / OJA
+    record.write_bytes((campaign / HEBB).read_bytes())
+    monkeypatch.chdir(record.parent)
+    for path in (record.name, ".", f"../{record.parent.name}"):
+        outcome = neol("verify", path)
+        assert outcome.exit_code == 3
+        assert "its SHA-256 is not that in manifest.json" in outcome.stdout
+        assert outcome.stdout.startswith(
+            str(Path(path, "" if path == record.name else record.name))
+        )
+
+
+def test_records_named_twice_are_checked_once(campaign: Path) -> None:
+    outcome = neol("verify", campaign, campaign, campaign / OJA, campaign / "cartpole")
+    said = "3 records of 9 runs checked, 3 of 3 records of budget smoke: all well\n"
+    assert outcome.stdout == said
 
 
 def test_what_was_repeated_is_said_with_the_seed_of_the_draw(campaign: Path) -> None:
-    outcome = neol("verify", campaign, "--replay", 2, "--replay-champions", 1, "--seed", 5)
+    outcome = neol(
+        *("verify", campaign, "--replay", 2, "--generations", 10**6),
+        *("--replay-champions", 1, "--seed", 5),
+    )
     assert outcome.exit_code == 0
     assert outcome.stdout == (
-        "3 records of 9 runs checked, 2 runs repeated for 3 generations and "
-        "1 champion's episodes repeated (--seed 5): all well\n"
+        "3 records of 9 runs checked, 3 of 3 records of budget smoke, 2 runs repeated, "
+        "6 generations, 1 champion played again (--seed 5): all well\n"
     )
     assert "(--seed " in neol("verify", campaign, "--replay", 1).stdout
+
+
+def test_runs_and_champions_are_drawn_apart(
+    campaign: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[list[Run]] = [[], []]
+
+    def note(place: int) -> Callable[..., Replay]:
+        def play(run: Run, *_: int) -> Replay:
+            drawn[place].append(run)
+            return replayed()
+
+        return play
+
+    monkeypatch.setattr("neol.verify_replay.replay", note(0))
+    monkeypatch.setattr("neol.verify_replay.replay_champion", note(1))
+    neol("verify", campaign, "--replay", 4, "--replay-champions", 4, "--seed", 0)
+    assert drawn[0] != drawn[1]
+
+
+def test_a_run_that_cannot_be_repeated_loses_no_other_finding(
+    campaign: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "a.parquet").write_bytes((campaign / NEAT).read_bytes())
+    (tmp_path / "b.parquet").write_bytes(b"")
+
+    def unknown(metadata: Json, _: Json) -> None:
+        metadata["spec"]["task"]["environment"] = "Nowhere-v0"
+        seal_spec(metadata)
+
+    forge(tmp_path / "a.parquet", unknown)
+    outcome = neol("verify", tmp_path, "--replay", 1, "--replay-champions", 1, "--seed", 0)
+    assert outcome.exit_code == 3
+    first, *again, summary = outcome.stdout.splitlines()
+    assert first.startswith(f"{tmp_path / 'b.parquet'}: damaged")
+    assert len(again) == 2
+    assert all("cannot be repeated: " in line and "Nowhere-v0" in line for line in again)
+    assert summary.endswith(": 3 findings")
+
+
+def test_sizes_are_those_of_the_papers_environments() -> None:
+    tasks = load_configuration("paper").tasks.values()
+    assert {task.environment: network_size(task) for task in tasks} == SIZES
 
 
 def test_where_there_is_nothing_to_check_the_input_is_wrong(tmp_path: Path) -> None:

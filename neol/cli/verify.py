@@ -1,7 +1,7 @@
 """Whether records are what they say: their manifest, their verification, replays of their runs."""
 
 import secrets
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -47,60 +47,72 @@ def verify(
     from neol.progress import Display
     from neol.verify import Verification
 
-    checks = [Verification(path) for path in paths]
-    records = sum(len(check.records) for check in checks)
+    verification = Verification(paths)
     findings: list[Finding] = []
     runs: set[Run] = set()
-    with Display() as display:
-        for check in checks:
-            for number, checked in enumerate(check.check(), 1):
+    try:
+        with Display() as display:
+            for number, checked in enumerate(verification.check(), 1):
                 findings += checked.findings
                 runs |= {(checked.path, each) for each in checked.seeds}
-                display.show(f"{check.path}: record {number} of {len(check.records)}")
-            findings += check.manifest_findings()
-    summary = f"{_count(records, 'record')} of {_count(len(runs), 'run')} checked"
+                display.show(f"record {number} of {len(verification.records)}")
+            findings += verification.manifest_findings()
+    finally:
+        for finding in findings:
+            print(finding, flush=True)
+    records = _count(len(verification.records), "record")
+    summary = [f"{records} of {_count(len(runs), 'run')} checked", *verification.notes()]
     if replay or replay_champions:
         seed = secrets.randbelow(2**32) if seed is None else seed
-        findings += _repeat(runs, replay, generations, replay_champions, seed)
-        summary += f", {_repeated(len(runs), replay, generations, replay_champions, seed)}"
-    for finding in findings:
-        print(finding)
-    print(f"{summary}: {_count(len(findings), 'finding') if findings else 'all well'}")
+        summary.append(_repeat(runs, replay, generations, replay_champions, seed, findings))
+    outcome = _count(len(findings), "finding") if findings else "all well"
+    print(f"{', '.join(summary)}: {outcome}")
     if findings:
         raise typer.Exit(DISAGREES)
 
 
 def _repeat(
-    runs: "Iterable[Run]", replays: int, generations: int, champions: int, seed: int
-) -> "Iterator[Finding]":
-    """Repeat what is drawn of the runs and compare."""
+    runs: "Iterable[Run]",
+    replays: int,
+    generations: int,
+    champions: int,
+    seed: int,
+    findings: "list[Finding]",
+) -> str:
+    """Repeat what is drawn of the runs and compare; what was repeated, and how to do it again."""
     from neol import verify_replay
+    from neol.errors import UserError
     from neol.progress import Display
+    from neol.verify import Finding
 
-    drawn = verify_replay.draw(runs, replays, seed)
-    players = verify_replay.draw(runs, champions, seed)
+    runs = list(runs)
+    drawn = [(run, False) for run in verify_replay.draw(runs, replays, seed)]
+    drawn += [(run, True) for run in verify_replay.draw(runs, champions, seed + 1)]
     done = []
-    with Display() as display:
-        for run in drawn:
-            done.append(verify_replay.replay(run, generations))
-            display.show(f"replay {len(done)} of {len(drawn) + len(players)}")
-        for run in players:
-            done.append(verify_replay.replay_champion(run))
-            display.show(f"replay {len(done)} of {len(drawn) + len(players)}")
-    return verify_replay.findings(done)
-
-
-def _repeated(runs: int, replays: int, generations: int, champions: int, seed: int) -> str:
-    """What was repeated, and how to repeat the same again."""
+    for number, (run, champion) in enumerate(drawn, 1):
+        try:
+            with Display() as display:
+                display.show(f"replay {number} of {len(drawn)}")
+                done.append(
+                    verify_replay.replay_champion(run)
+                    if champion
+                    else verify_replay.replay(run, generations)
+                )
+            found = list(verify_replay.findings(done[-1:]))
+        except UserError as error:
+            found = [Finding(run[0], f"cannot be repeated: {error}", run[1])]
+        for finding in found:
+            print(finding, flush=True)
+        findings += found
+    whole = [each.generations for each in done if each.generations]
     parts = []
     if replays:
-        drawn = _count(min(runs, replays), "run")
-        parts.append(f"{drawn} repeated for {_count(generations, 'generation')}")
+        parts.append(f"{_count(len(whole), 'run')} repeated, {_count(sum(whole), 'generation')}")
     if champions:
-        drawn = _count(min(runs, champions), "champion's episodes", "champions' episodes")
-        parts.append(f"{drawn} repeated")
-    return f"{' and '.join(parts)} (--seed {seed})"
+        played = len(done) - len(whole)
+        parts.append(f"{_count(played, 'champion')} played again")
+    return f"{', '.join(parts)} (--seed {seed})"
 
 
-def _count(number: int, one: str, several: str = "") -> str:
-    return f"{number:,} {one if number == 1 else several or f'{one}s'}"
+def _count(number: int, one: str) -> str:
+    return f"{number:,} {one}{'s' * (number != 1)}"
