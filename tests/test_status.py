@@ -154,6 +154,16 @@ def test_a_block_that_ends_during_the_look(folder: Folder, monkeypatch: pytest.M
     assert standing(folder, this).states == {"done": 3}
 
 
+def test_a_record_that_comes_and_goes(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    def vanish(path: Path, _spec: object) -> None:
+        raise FileNotFoundError(2, "gone", str(path))
+
+    this = job(folder)
+    finish(this)
+    monkeypatch.setattr(module, "read_footer", vanish)
+    assert standing(folder, this).reason == f"{this.record}: comes and goes"
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

@@ -22,7 +22,11 @@ def status(
         bool, typer.Option("--watch", help="Go on showing it until the grid is done.")
     ] = False,
 ) -> None:
-    """Say what of a campaign is done, running, failed or missing, and what the rest will cost."""
+    """Say what of a campaign is done, running, failed or missing, and what the rest will cost.
+
+    Core-hours are those of the process that runs and its threads: the time of worker processes
+    (`neol run --workers`, the reference engine's) is in no record.
+    """
     from rich.console import Console
 
     from neol.campaign import RESULTS
