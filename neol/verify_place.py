@@ -100,17 +100,9 @@ class ManifestFolder:
         there = set(there)
         for name in self._entries:
             if self.folder / name not in there:
-                yield (
-                    self.folder / name,
-                    f"missing, {manifest.NAME} names it; restore it or run anew",
-                )
-        for name in self._places.blocks:
-            if name not in self._entries and self.folder / name not in there:
-                yield (
-                    self.folder / name,
-                    f"missing, and {manifest.NAME} leaves it out, but budget {self._places.budget} has it: "
-                    "dropped, or not yet run when the manifest was written",
-                )
+                meaning = f"missing, and {manifest.NAME} leaves it out, but budget "
+                meaning += f"{self._places.budget} has it: dropped, or not yet run by then"
+                yield self.folder / name, meaning
 
     def _misplaced(self, record: Record, entry: Entry) -> Iterator[str]:
         """Whether it is the record that its budget has in this place."""
