@@ -2,8 +2,8 @@
 
 import pytest
 
-from neol.cost import run_seconds, shipped, walltime_minutes
 from benchmarks.scaling import comparison
+from neol.cost import run_seconds, shipped, walltime_minutes
 from neol.spec import RunSpec, load_configuration
 
 MEASURED = {
