@@ -100,6 +100,10 @@ class ManifestFolder:
         there = set(there)
         for name in self._entries:
             if self.folder / name not in there:
+                meaning = f"missing, {manifest.NAME} names it; restore it or run anew"
+                yield self.folder / name, meaning
+        for name in self._places.blocks:
+            if name not in self._entries and self.folder / name not in there:
                 meaning = f"missing, and {manifest.NAME} leaves it out, but budget "
                 meaning += f"{self._places.budget} has it: dropped, or not yet run by then"
                 yield self.folder / name, meaning
