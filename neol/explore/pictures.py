@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from neol.analysis.figures import draw_curve
 from neol.analysis.labels import method_label, task_label
 from neol.analysis.statistics import Floats, mean_interval
 from neol.analysis.style import GREY, WIDTH, drawing, styles
@@ -78,12 +79,10 @@ def learning_curves(
         for method, records in chosen.groupby("method")["record"].unique().items():
             table = pd.concat([load_record(results / name).table.to_pandas() for name in records])
             values = table.pivot_table(index="generation", columns="seed", values=column).dropna()
-            y = values.to_numpy(dtype=float)
             x = table[against].groupby(table["generation"]).mean().loc[values.index]
-            look = looks[str(method)]
             label = f"{method_label(str(method))}, {values.shape[1]} seeds"
-            axis.plot(x, y.mean(axis=1), color=look.colour, linestyle=look.line, label=label)
-            axis.fill_between(x, *mean_interval(y), color=look.colour, alpha=0.15, linewidth=0)
+            marked = (list(looks).index(str(method)) + 0.5) / len(looks)
+            draw_curve(axis, label, looks[str(method)], values.set_axis(x), marked)
         axis.set_title(f"{task_label(task)}, P = {population}, η = {rate:g}")
         axis.set_xlabel(axis_label(against))
         axis.set_ylabel(axis_label(column))

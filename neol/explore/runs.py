@@ -7,16 +7,13 @@ import pandas as pd
 
 from neol.champions.player import Player, load_champion
 from neol.errors import UserError
+from neol.manifest import records_below
 from neol.records import Record, read_record
 
 
 def find_records(results: Path) -> list[str]:
     """All finished records, as paths below the folder. Raises UserError where there is none."""
-    found = sorted(
-        str(path.relative_to(results))
-        for path in results.rglob("*.parquet")
-        if not any(folder.suffix == ".partial" for folder in path.parents)
-    )
+    found = [str(path.relative_to(results)) for path in records_below(results)]
     if not found:
         raise UserError(f"{results}: holds no record; `snakemake records` makes the smallest ones")
     return found
