@@ -75,8 +75,9 @@ def test_a_choice_begins_somewhere_if_its_record_is_not_there(results: Path) -> 
     assert choice.value == (results / find_records(results)[0], 0)
 
 
-def test_an_episode_beyond_the_last_is_refused(results: Path) -> None:
-    player = load_player(results / HEBB, 0)
+def test_an_episode_beyond_the_last_is_refused() -> None:
+    player = load_player(RESULTS / "demo/cartpole/hebb/p050_lr0.25/seeds_000-004.parquet", 0)
+    count = len(player.held_out_seeds)
     assert episode_seed(player, 0) == player.held_out_seeds[0]
-    with pytest.raises(UserError, match="episode 1: the record has 0 to 0"):
-        episode_seed(player, 1)
+    with pytest.raises(UserError, match=f"episode {count}: the record has 0 to {count - 1}"):
+        episode_seed(player, count)
