@@ -23,7 +23,7 @@ from neol.errors import UserError
 from neol.records import read_record
 from neol.rollout import make_engine
 from neol.run import partial_folder, run_seed
-from neol.spec import Configuration, load_configuration
+from neol.spec import ROOT, Configuration, load_configuration
 from tests.cluster.slurm import missing, slurm
 from tests.workflow.clone import fresh_clone
 
@@ -41,7 +41,7 @@ LONG = [
     "budget.methods=[neat]",
     "budget.populations=[40, 50]",
     "budget.seeds=1",
-    f"budget.generations={600 if WHOLE else 120}",
+    f"budget.generations={1500 if WHOLE else 300}",
     "tasks.lunar_lander.max_steps=1000",
 ]
 """Changes that make of the smoke budget two runs, long enough to be ended in the middle."""
@@ -58,7 +58,10 @@ def cluster() -> Iterator[Environment]:
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return fresh_clone(tmp_path_factory.mktemp("cluster") / "neol")
+    clone = fresh_clone(tmp_path_factory.mktemp("cluster") / "neol")
+    for compiled in (ROOT / "neol" / "rollout" / "box2d").glob("core*.so"):
+        shutil.copy2(compiled, clone / compiled.relative_to(ROOT))
+    return clone
 
 
 def submit(clone: Path, cluster: Environment, *arguments: str) -> subprocess.Popen[bytes]:
