@@ -41,7 +41,7 @@ LONG = [
     "budget.methods=[neat]",
     "budget.populations=[40, 50]",
     "budget.seeds=1",
-    f"budget.generations={1500 if WHOLE else 300}",
+    f"budget.generations={1000 if WHOLE else 300}",
     "tasks.lunar_lander.max_steps=1000",
 ]
 """Changes that make of the smoke budget two runs, long enough to be ended in the middle."""
