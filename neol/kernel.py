@@ -25,6 +25,10 @@ def kernel(function: Function) -> Function:
 
     No fast math and no threads inside: a kernel rounds as its Python source does. The source
     stays reachable as `function.py_func`, the plain twin that the tests compare with.
+
+    A kernel that Python calls writes into arrays it is given, and returns none: numba calls
+    Python to make a returned array or tuple, and where a signal's handler (Ctrl-C) raises in
+    there, it crashes.
     """
     compile_ = numba.njit(cache=True, nogil=True, error_model="numpy")
     return cast(Function, compile_(function))

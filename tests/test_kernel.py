@@ -87,3 +87,30 @@ def test_a_kernel_keeps_its_plain_twin() -> None:
         return 2 * x
 
     assert double(3.0) == double.py_func(3.0) == 6.0  # type: ignore[attr-defined]
+
+
+CALLS = """
+from numba.core import serialize
+
+unpickle, calls = serialize._numba_unpickle, []
+serialize._numba_unpickle = lambda *arguments: calls.append(arguments) or unpickle(*arguments)
+
+from neol.run import evolve
+from neol.spec import load_configuration
+
+for task in ("cartpole", "lunar_lander", "bipedal_walker", "hopper"):
+    evolve(
+        load_configuration("smoke").run_spec(
+            task=task, method="bcm", population=8, learning_rate=0.25, generations=3
+        )
+    )
+print(len(calls))
+"""
+
+
+def test_no_kernel_calls_python_for_what_it_returns() -> None:
+    """There numba does not expect an exception, and a signal's handler may raise one."""
+    done = subprocess.run(
+        [sys.executable, "-c", CALLS], stdout=subprocess.PIPE, text=True, check=True
+    )
+    assert done.stdout == "0\n"

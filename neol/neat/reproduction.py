@@ -9,7 +9,7 @@ from neol.neat.genome import initial_genome
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant
-from neol.neat.values import fresh_values
+from neol.neat.values import draw_values
 from neol.neat.variation import PARENTS, Rates, breed_all
 from neol.pcg64 import new_state
 from neol.spec import Neat
@@ -29,20 +29,13 @@ class Reproduction:
 
     def initial_population(self, size: int, random: np.random.Generator) -> Population:
         """Generation 0: minimal topologies with random weights (INITIALISEPOPULATION)."""
-        rates, state = self.rates, new_state(random)
-        first = self._new_ids(size)
-        return Population.of(
-            [
-                initial_genome(
-                    id,
-                    self.inputs,
-                    self.outputs,
-                    fresh_values(self.inputs * self.outputs, rates.weight, state),
-                    fresh_values(self.outputs, rates.bias, state),
-                )
-                for id in range(first, first + size)
-            ]
-        )
+        weight, bias = np.empty(self.inputs * self.outputs), np.empty(self.outputs)
+        state, first, genomes = new_state(random), self._new_ids(size), []
+        for id in range(first, first + size):
+            draw_values(weight, self.rates.weight, state)
+            draw_values(bias, self.rates.bias, state)
+            genomes.append(initial_genome(id, self.inputs, self.outputs, weight, bias))
+        return Population.of(genomes)
 
     def reproduce(
         self, population: Population, species_set: SpeciesSet, random: np.random.Generator

@@ -48,14 +48,17 @@ def distance(one: Genome, other: Genome, neat: Neat) -> float:
 
 def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.float64]:
     """Distance of each genome of a pool to a representative, float64[P]."""
-    return _distances(
+    distances = np.empty(len(pool.connection_offset) - 1)
+    _distances(
         pool.connections,
         pool.connection_offset,
         representative.connections,
         neat.disjoint_coefficient,
         neat.weight_coefficient,
         neat.distance_normaliser == "larger_genome",
+        distances,
     )
+    return distances
 
 
 def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
@@ -132,8 +135,8 @@ def _distances(
     c1: float,
     c3: float,
     by_larger_genome: bool,
-) -> npt.NDArray[np.float64]:
-    distances = np.empty(len(offset) - 1)
+    distances: npt.NDArray[np.float64],
+) -> None:
     for genome in range(len(distances)):
         matching, difference = 0, 0.0
         i, end, j = offset[genome], offset[genome + 1], 0
@@ -151,4 +154,3 @@ def _distances(
         unmatched = size + len(representative) - 2 * matching  # E + D
         n = max(size, len(representative)) if by_larger_genome else matching
         distances[genome] = c1 * unmatched / max(n, 1) + c3 * difference / max(matching, 1)
-    return distances

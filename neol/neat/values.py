@@ -34,12 +34,11 @@ def mutate_values(values: npt.NDArray[np.float64], rates: Values, random: State)
 
 
 @kernel
-def fresh_values(size: int, rates: Values, random: State) -> npt.NDArray[np.float64]:
-    """Fresh weights or biases: normal with mean 0, clipped to their limit."""
-    values = standard_normals(size, random)
-    for i in range(size):
-        values[i] = _clip(rates.init_sd * values[i], rates.limit)
-    return values
+def draw_values(values: npt.NDArray[np.float64], rates: Values, random: State) -> None:
+    """Make all weights or biases anew: normal with mean 0, clipped to their limit."""
+    noise = standard_normals(len(values), random)
+    for i in range(len(values)):
+        values[i] = _clip(rates.init_sd * noise[i], rates.limit)
 
 
 @kernel

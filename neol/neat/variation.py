@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.kernel import kernel
-from neol.neat.genome import Pool
+from neol.neat.genome import CONNECTION, NODE, Pool
 from neol.neat.innovations import Innovations, connection_number, split_node
-from neol.neat.values import Values, fresh_values, mutate_values
+from neol.neat.values import Values, draw_values, mutate_values
 from neol.pcg64 import State, below, next_double
 from neol.spec import Neat
 
@@ -59,7 +59,6 @@ class Rates(NamedTuple):
         )
 
 
-@kernel
 def breed_all(
     pool: Pool,
     parents: npt.NDArray[np.void],
@@ -70,13 +69,37 @@ def breed_all(
     random: State,
 ) -> Pool:
     """The children of PARENTS[n], whose places are those in a pool: a pool of n genomes."""
-    fitter, count = parents["fitter"], len(parents)
-    room = (pool.node_offset[fitter + 1] - pool.node_offset[fitter] + 1).sum()
-    nodes, node_offset = np.empty(room, dtype=pool.nodes.dtype), np.zeros(count + 1, dtype=np.int64)
-    room = (pool.connection_offset[fitter + 1] - pool.connection_offset[fitter] + 3).sum()
-    connections = np.empty(room, dtype=pool.connections.dtype)
-    connection_offset = np.zeros(count + 1, dtype=np.int64)
-    for child in range(count):
+    fitter, offsets = parents["fitter"], np.zeros((2, len(parents) + 1), dtype=np.int64)
+    # A child has at most one node and three connections more than its fitter parent.
+    most_nodes = np.sum(np.diff(pool.node_offset)[fitter] + 1)
+    most_connections = np.sum(np.diff(pool.connection_offset)[fitter] + 3)
+    children = Pool(
+        np.empty(most_nodes, dtype=NODE),
+        offsets[0],
+        np.empty(most_connections, dtype=CONNECTION),
+        offsets[1],
+    )
+    _breed_all(pool, parents, inputs, outputs, rates, innovations, random, children)
+    return children._replace(
+        nodes=children.nodes[: children.node_offset[-1]],
+        connections=children.connections[: children.connection_offset[-1]],
+    )
+
+
+@kernel
+def _breed_all(
+    pool: Pool,
+    parents: npt.NDArray[np.void],
+    inputs: int,
+    outputs: int,
+    rates: Rates,
+    innovations: Innovations,
+    random: State,
+    children: Pool,
+) -> None:
+    """Write the children of PARENTS[n], whose places are those in a pool, into the pool `children`."""
+    nodes, node_offset, connections, connection_offset = children
+    for child in range(len(parents)):
         one_nodes, one_connections = genome_in(pool, parents[child].fitter)
         if parents[child].elite:
             child_nodes, child_connections = one_nodes, one_connections
@@ -98,12 +121,6 @@ def breed_all(
         nodes[node_offset[child] : node_offset[child + 1]] = child_nodes
         connection_offset[child + 1] = connection_offset[child] + len(child_connections)
         connections[connection_offset[child] : connection_offset[child + 1]] = child_connections
-    return Pool(
-        nodes[: node_offset[count]],
-        node_offset,
-        connections[: connection_offset[count]],
-        connection_offset,
-    )
 
 
 @kernel
@@ -212,7 +229,9 @@ def add_connection(
     if is_connected(connections, source, target) or reaches(connections, target, source):
         return connections
     innovation = connection_number(innovations, source, target)
-    return _with_gene(connections, innovation, source, target, fresh_values(1, weight, random)[0])
+    value = np.empty(1)
+    draw_values(value, weight, random)
+    return _with_gene(connections, innovation, source, target, value[0])
 
 
 @kernel

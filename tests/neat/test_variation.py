@@ -8,7 +8,7 @@ from neol.neat.genome import Genome, Pool
 from neol.neat.innovations import Innovations, connection_number, split_node
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
-from neol.neat.values import fresh_values, mutate_values
+from neol.neat.values import draw_values, mutate_values
 from neol.neat.variation import (
     PARENTS,
     Rates,
@@ -317,7 +317,8 @@ def test_a_perturbation_has_the_power_of_the_configuration() -> None:
 
 def test_fresh_values_have_the_spread_and_the_limit_of_the_configuration() -> None:
     rates = RATES.weight._replace(init_sd=2.0, limit=3.0)
-    values = fresh_values(4000, rates, stream())
+    values = np.empty(4000)
+    draw_values(values, rates, stream())
     assert np.abs(values).max() == 3.0
     assert np.mean(np.abs(values) < 2.0) == pytest.approx(0.683, abs=0.03)
 
