@@ -99,6 +99,12 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def damaged_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the damaged ones are put, one after the other."""
+    return tmp_path_factory.mktemp("damaged")
+
+
 def read_trace(path: Path) -> object:
     output = path.with_suffix(".tex")
     output.touch()
@@ -182,10 +188,10 @@ def mistake(draw: st.DrawFn, content: Json) -> Json:
 @fuzz
 @given(data=st.data())
 def test_damaged_files_load_or_give_one_clear_error(
-    kind: str, data: st.DataObject, home: Path, tmp_path_factory: pytest.TempPathFactory
+    kind: str, data: st.DataObject, home: Path, damaged_folder: Path
 ) -> None:
     whole, name, read = KINDS[kind]
-    path = tmp_path_factory.getbasetemp() / name
+    path = damaged_folder / name
     path.write_bytes(data.draw(damaged((home / whole).read_bytes())))
     survive(lambda: read(path))
 
@@ -194,11 +200,11 @@ def test_damaged_files_load_or_give_one_clear_error(
 @fuzz
 @given(data=st.data())
 def test_wrong_values_load_or_give_one_clear_error(
-    kind: str, data: st.DataObject, home: Path, tmp_path_factory: pytest.TempPathFactory
+    kind: str, data: st.DataObject, home: Path, damaged_folder: Path
 ) -> None:
     whole, name, read = KINDS[kind]
     content = parse_yaml((home / whole).read_text(), kind)  # JSON is YAML too
-    path = tmp_path_factory.getbasetemp() / name
+    path = damaged_folder / name
     path.write_text(json.dumps(data.draw(st.composite(mistake)(content))))
     survive(lambda: read(path))
 
@@ -206,9 +212,9 @@ def test_wrong_values_load_or_give_one_clear_error(
 @fuzz
 @given(data=st.data())
 def test_sealed_records_load_or_give_one_clear_error(
-    data: st.DataObject, home: Path, tmp_path_factory: pytest.TempPathFactory
+    data: st.DataObject, home: Path, damaged_folder: Path
 ) -> None:
-    path = tmp_path_factory.getbasetemp() / "sealed.parquet"
+    path = damaged_folder / "sealed.parquet"
     path.write_bytes((home / "a.parquet").read_bytes())
 
     def change(metadata: Json, _: Json) -> None:
@@ -224,7 +230,7 @@ def test_sealed_records_load_or_give_one_clear_error(
 @fuzz
 @given(data=st.data())
 def test_sealed_checkpoints_load_or_give_one_clear_error(
-    data: st.DataObject, home: Path, tmp_path_factory: pytest.TempPathFactory
+    data: st.DataObject, home: Path, damaged_folder: Path
 ) -> None:
     with np.load(home / "a.npz") as file:
         arrays = {name: file[name] for name in file.files if name != "seal"}
@@ -243,7 +249,7 @@ def test_sealed_checkpoints_load_or_give_one_clear_error(
         )
     buffer = io.BytesIO()
     np.savez(buffer, **arrays, seal=checkpoint._seal(arrays))
-    path = tmp_path_factory.getbasetemp() / "sealed.npz"
+    path = damaged_folder / "sealed.npz"
     path.write_bytes(buffer.getvalue())
     survive(lambda: checkpoint.load(path, run_spec()))
 

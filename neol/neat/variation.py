@@ -97,7 +97,7 @@ def _breed_all(
     random: State,
     children: Pool,
 ) -> None:
-    """Write the children of PARENTS[n], whose places are those in a pool, into the pool `children`."""
+    """Write the children of PARENTS[n], by their places in a pool, into the pool `children`."""
     nodes, node_offset, connections, connection_offset = children
     for child in range(len(parents)):
         one_nodes, one_connections = genome_in(pool, parents[child].fitter)
