@@ -11,13 +11,15 @@ from pathlib import Path
 from neol.errors import UserError
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes, *, scratch: Path | None = None) -> None:
     """Write a file so that any reader, after any crash, finds the old content or the new one.
 
-    Of several writers the last one wins. A folder that is not there is made. Raises UserError where
-    it cannot be written: no right, no space.
+    It is first written under another name, in the folder `scratch` of the same file system or else
+    beside itself; a killed process leaves that behind. Of several writers the last one wins. A
+    folder that is not there is made. Raises UserError where it cannot be written: no right, no
+    space.
     """
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+    temporary = (scratch or path.parent) / f".{path.name}.{secrets.token_hex(4)}.tmp"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with temporary.open("xb") as file:

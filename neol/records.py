@@ -242,8 +242,8 @@ def join(records: Iterable[Record]) -> Record:
 # --- Files --------------------------------------------------------------------------------------
 
 
-def write_record(path: Path, record: Record) -> None:
-    """Write a record, atomically. Raises UserError where it cannot be written."""
+def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> None:
+    """Write a record, as `write_atomically` does. Raises UserError where it cannot be written."""
     metadata = Metadata(
         schema_version=SCHEMA_VERSION,
         spec=_without_seed(record.spec),
@@ -258,7 +258,7 @@ def write_record(path: Path, record: Record) -> None:
         writer.add_key_value_metadata(
             {"neol": text.decode(), "neol_digest": _digest(text, record.table)}
         )
-    write_atomically(path, buffer.getvalue())
+    write_atomically(path, buffer.getvalue(), scratch=scratch)
 
 
 def read_record(path: Path, spec: RunSpec | None = None) -> Record:

@@ -164,7 +164,7 @@ def run_block(
                     for seed in seeds
                 ]
             record = join(records)
-            write_record(output, record)
+            write_record(output, record, scratch=partial)
     return record
 
 

@@ -2,11 +2,9 @@
 
 import contextlib
 import re
-import signal
 from collections.abc import Iterator
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -108,7 +106,7 @@ def run(
     from neol.progress import Progress
     from neol.run import run_block
 
-    with _interruptible(output), contextlib.ExitStack() as stack:
+    with _says_how_to_go_on(output), contextlib.ExitStack() as stack:
         progress = None if quiet else stack.enter_context(Progress(seeds, generations))
         record = run_block(
             spec,
@@ -141,21 +139,15 @@ def parse_seeds(text: str) -> list[int]:
     return sorted(seeds)
 
 
-class Terminated(KeyboardInterrupt):
-    """SIGTERM, taken as an interrupt."""
-
-
 @contextlib.contextmanager
-def _interruptible(output: Path) -> Iterator[None]:
+def _says_how_to_go_on(output: Path) -> Iterator[None]:
     """Make SIGTERM and Ctrl-C end the run in one line that says how to go on."""
+    from neol.interruption import Terminated, interruptible
     from neol.run import partial_folder
 
-    def terminate(_signal: int, _frame: FrameType | None) -> NoReturn:
-        raise Terminated
-
-    before = signal.signal(signal.SIGTERM, terminate)
     try:
-        yield
+        with interruptible():
+            yield
     except KeyboardInterrupt as stop:
         if output.exists():  # it was complete, only tidying up was cut short
             raise typer.Exit from None
@@ -168,8 +160,6 @@ def _interruptible(output: Path) -> Iterator[None]:
         terminated = isinstance(stop, Terminated)
         complain(f"{TERMINATED if terminated else INTERRUPTED}: {way_on}")
         raise typer.Exit(143 if terminated else 130) from None
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _summarise(output: Path, record: "Record", finished: bool) -> None:

@@ -1,6 +1,7 @@
 """Every code block of the README and the documentation does what it says.
 
-They run page by page, in order, in a fresh clone whose `.venv` is the environment of these tests.
+They run page by page, in order, in a clone whose `.venv` is the environment of these tests. What a
+page leaves is removed before the next one, but for records and figures.
 A block with a title is a file that the blocks after it use. What would take hours is planned only.
 """
 
@@ -46,7 +47,7 @@ class Block:
         code = self.code.replace("\\\n", " ")
         for long, short in PLANNED_ONLY.items():
             code = re.sub(long, short, code, flags=re.MULTILINE)
-        return ["bash", "-euo", "pipefail", "-c", code]
+        return ["bash", "-eu", "-c", code]
 
 
 def blocks(page: Path) -> list[Block]:
@@ -85,6 +86,8 @@ def test_the_blocks_of_a_page_run(page: Path, clone: Path) -> None:
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
         "PYTHONPATH": str(clone),
     }
+    subprocess.run(["git", "clean", "-fdq"], cwd=clone, check=True)
+    subprocess.run(["git", "checkout", "-q", "."], cwd=clone, check=True)
     for block in blocks(page):
         if block.title:
             (clone / block.title).write_text(block.code, encoding="utf-8")

@@ -98,16 +98,14 @@ def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
         assert planned(clone, TARGET) == {"run": 1, "tables_notebook": 1}  # though it is up to date
 
 
-def test_a_missing_seed_is_said_on_the_console(clone: Path) -> None:
-    path, cell = next(iter(RECORDS.items()))
-    with aside(clone / path), aside(clone / "figures"):
+def test_a_record_that_lacks_a_seed_is_made_again(clone: Path) -> None:
+    path = next(iter(RECORDS))
+    with aside(clone / path):
         record = read_record((clone / path).with_name(f"{path.name}.aside"))
         last = record.seeds[-1].seed
         kept = record.table.filter(record.table["seed"].to_numpy() < last)
         write_record(clone / path, replace(record, table=kept, seeds=record.seeds[:-1]))
-        result = snakemake(clone, TARGET)
-    assert result.returncode == 0, result.stderr
-    assert f"neol: {cell.folder}: no record of seeds {last}" in result.stderr.splitlines()
+        assert planned(clone, TARGET) == {"run": 1, "tables_notebook": 1}
 
 
 def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
