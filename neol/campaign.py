@@ -74,7 +74,7 @@ def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
             method=cell.method,
             population=cell.population,
             learning_rate=cell.learning_rate,
-            generations=configuration.budget.generations,
+            generations=configuration.budget.generations_of(cell.task),
             seed=seed,
         )
         for seed in block.seeds

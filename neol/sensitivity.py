@@ -91,7 +91,7 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
                 method=method,
                 population=min(*budget.populations, most.population),
                 learning_rate=rate if changed.methods[method].learns else None,
-                generations=max(2, min(budget.generations // 5, most.generations)),
+                generations=min(budget.generations_of(task), most.generations),
                 seed=seeds[0],
             ),
             seeds=seeds,

@@ -105,7 +105,7 @@ WeightMutation = Annotated[
     Literal["off", "config"] | Probability,
     _union("must be 'off', 'config' or a probability from 0 to 1"),
 ]
-SeedsPerJob = Annotated[
+ForEachTask = Annotated[
     PositiveInt | dict[Text, PositiveInt],
     _union("must be an integer of at least 1, or such an integer for each task"),
 ]
@@ -289,7 +289,8 @@ class Budget(Model):
 
     name: Text
     """The name of its file; never written in it."""
-    generations: PositiveInt
+    generations: ForEachTask
+    """G: of any task, or for each."""
     seeds: Annotated[int, Field(ge=1, le=10_000)]
     """How many: a cell runs with seeds 0 to seeds - 1."""
     populations: Several[Population]
@@ -297,13 +298,20 @@ class Budget(Model):
     """Grid of eta for the methods with a rule."""
     tasks: Several[Text]
     methods: Several[MethodName]
-    seeds_per_job: SeedsPerJob
+    seeds_per_job: ForEachTask
     """Runs of a cell that one job of the workflow makes: of any task, or for each."""
+
+    def generations_of(self, task: str) -> int:
+        """G of a task's runs."""
+        return _of_task(self.generations, task)
 
     def seeds_per_job_of(self, task: str) -> int:
         """How many runs one job makes of a task's cell."""
-        each = self.seeds_per_job
-        return each if isinstance(each, int) else each[task]
+        return _of_task(self.seeds_per_job, task)
+
+
+def _of_task(number: int | dict[str, int], task: str) -> int:
+    return number if isinstance(number, int) else number[task]
 
 
 class Configuration(Model):
@@ -417,10 +425,11 @@ def load_configuration(
             raise UserError(
                 f'{source}: budget.tasks: unknown task "{task}"{hint(task, configuration.tasks)}'
             )
-        sizes = configuration.budget.seeds_per_job
-        if isinstance(sizes, dict) and task not in sizes:
-            source = overlay.source(("budget", "seeds_per_job"))
-            raise UserError(f"{source}: budget.seeds_per_job: no number for {task}")
+        for name in ("generations", "seeds_per_job"):
+            numbers = getattr(configuration.budget, name)
+            if isinstance(numbers, dict) and task not in numbers:
+                source = overlay.source(("budget", name))
+                raise UserError(f"{source}: budget.{name}: no number for {task}")
     return configuration
 
 

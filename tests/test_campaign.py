@@ -92,6 +92,7 @@ def test_the_paper_s_configurations_where_a_budget_has_them():
     desk = paper_cells(load_configuration("desk"), 3)
     assert desk["lunar_lander", "bcm"] == Cell("lunar_lander", "bcm", 300, 0.25)
     assert desk["hopper", "neat"] == Cell("hopper", "neat", 300, None)
-    assert ("bipedal_walker", "neat") not in desk  # P = 100
-    assert len(desk) == 14
+    assert len(desk) == 16
+    demo = paper_cells(load_configuration("demo"), 3)
+    assert set(demo) == {("cartpole", "neat")}  # P = 50; the rules' 2.5e-4 is not in it
     assert paper_cells(load_configuration("smoke"), 3) == {}

@@ -217,7 +217,8 @@ def test_an_unknown_budget(budget):
         ("budget.populations=50", "budget.populations = 50: must be a list"),
         ("budget.populations=[50, 1]", "budget.populations.1 = 1: must be greater than or equal"),
         ("budget.learning_rates=[-1]", "budget.learning_rates.0 = -1: must be greater than or"),
-        ("budget.generations=0", "budget.generations = 0: must be greater than or equal to 1"),
+        ("budget.generations=0", "budget.generations = 0: must be an integer of at least 1"),
+        ("budget.generations={hopper: 3}", "budget.generations: no number for cartpole"),
     ],
 )
 def test_an_override_that_is_not_allowed(override, expected):

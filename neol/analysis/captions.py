@@ -1,22 +1,27 @@
 """What captions say of a budget: how much it spends, and what of it is not there."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from neol.analysis.labels import task_label
 from neol.analysis.runs import Campaign
 from neol.campaign import cells
-from neol.spec import Configuration, load_configuration
+from neol.spec import Budget, Configuration, load_configuration
 
 
 def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
     """A budget in a sentence or two, for captions that concern some of its tasks, or all."""
     budget = configuration.budget
     sentence = (
-        f"Budget {budget.name}: G = {budget.generations} generations, {budget.seeds} seeds, "
-        f"{describe_episodes(configuration, tasks)}."
+        f"Budget {budget.name}: G = {describe_generations(budget, tasks)} generations, "
+        f"{budget.seeds} seeds, {describe_episodes(configuration, tasks)}."
     )
     is_paper = configuration == load_configuration("paper")
     return sentence if is_paper else f"{sentence} Reduced budget: not the paper's."
+
+
+def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:
+    """G of some tasks, or of all: 500, or 50 (CartPole, LunarLander), 6 (Hopper)."""
+    return by_task({task: str(budget.generations_of(task)) for task in tasks or budget.tasks})
 
 
 def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
@@ -29,10 +34,14 @@ def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -
     return f"N = {episodes} episode{'s' * (episodes > 1)} per evaluation of at most {steps} steps"
 
 
-def describe_samples(campaign: Campaign) -> str:
-    """M of a budget's SCORE: 1e8."""
-    digits, _, exponent = f"{campaign.score_samples:.3e}".partition("e")
-    return f"{float(digits):g}e{int(exponent)}"
+def describe_samples(campaign: Campaign, tasks: Sequence[str] = ()) -> str:
+    """M of the SCORE of some tasks, or of all: 1e8, or 1e7 (CartPole), 1.2e6 (Hopper)."""
+    return by_task(
+        {
+            task: _scientific(campaign.score_samples(task))
+            for task in tasks or campaign.configuration.budget.tasks
+        }
+    )
 
 
 def lacking(campaign: Campaign) -> str:
@@ -50,3 +59,18 @@ def lacking(campaign: Campaign) -> str:
         f"Seeds are missing: {incomplete} of {len(grid)} cells are incomplete, "
         f"{sum(missing)} of {runs} runs are not there."
     )
+
+
+def by_task(values: Mapping[str, str]) -> str:
+    """A value that all tasks share, or each value with its tasks."""
+    if len(set(values.values())) == 1:
+        return next(iter(values.values()))
+    return ", ".join(
+        f"{value} ({', '.join(task_label(task) for task in values if values[task] == value)})"
+        for value in dict.fromkeys(values.values())
+    )
+
+
+def _scientific(number: float) -> str:
+    digits, _, exponent = f"{number:.3e}".partition("e")
+    return f"{float(digits):g}e{int(exponent)}"

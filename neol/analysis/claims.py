@@ -191,7 +191,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         verdict, reason = "undecided", SEEDS_MISSING
     elif seeds < LEAST_SEEDS:
         verdict, reason = "undecided", f"fewer than {LEAST_SEEDS} seeds"
-    elif wrong and part.grows and outcomes.generations < PAPER_GENERATIONS:
+    elif wrong and part.grows and outcomes.generations(cells) < PAPER_GENERATIONS:
         verdict, reason = "undecided", f"fewer than {PAPER_GENERATIONS} generations"
     needed = float(np.maximum(needed, LEAST_SEEDS))
     return Finding(part, verdict, reason, effect, low, high, p, seeds, needed)

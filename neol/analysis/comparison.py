@@ -83,12 +83,11 @@ def outcomes(compared: Sequence[Contestant]) -> dict[str, list[str]]:
             _mean([_held_out(info) for info in each.record.seeds]) for each in compared
         ],
     }
-    divisor = _score_samples(compared)
-    if divisor is not None:
+    if divisors := _score_samples(compared):
         rows["SCORE"] = [
             _mean([score(best.dropna(), each.spec.population, divisor)
                    for _, best in each.best_fitness.items()], 3)
-            for each in compared
+            for each, divisor in zip(compared, divisors, strict=True)
         ]  # fmt: skip
     return rows
 
@@ -147,16 +146,22 @@ def _held_out(info: SeedInfo) -> float:
     return math.nan if info.held_out.mean is None else info.held_out.mean
 
 
-def _score_samples(compared: Sequence[Contestant]) -> float | None:
-    """M of the budget that all runs are of, if they are of one."""
+def _score_samples(compared: Sequence[Contestant]) -> list[float]:
+    """M for each, in the budget that all runs are of; none where they are not whole runs of one."""
     names = {each.record.budget for each in compared}
     name = names.pop()
     if names or name not in budgets():
-        return None
+        return []
     budget = load_configuration(name).budget
-    if any(each.spec.generations != budget.generations for each in compared):
-        return None
-    return samples(budget.generations, max(budget.populations))
+    whole = all(
+        each.spec.task.name in budget.tasks
+        and each.spec.generations == budget.generations_of(each.spec.task.name)
+        for each in compared
+    )
+    if not whole:
+        return []
+    largest = max(budget.populations)
+    return [samples(each.spec.generations, largest) for each in compared]
 
 
 def _mean(values: npt.ArrayLike, digits: int = 1) -> str:

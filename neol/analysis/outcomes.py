@@ -12,6 +12,7 @@ from neol.analysis.runs import Campaign
 from neol.analysis.score import mean_best_so_far
 from neol.analysis.statistics import Floats
 from neol.campaign import Cell, cells
+from neol.spec import Budget
 
 METRICS = {
     "final_best": "final best fitness",
@@ -37,9 +38,7 @@ class Outcomes:
     """The budget's grid, whether it has runs or not."""
     candidates: Mapping[str, Mapping[tuple[str, str], list[Cell]]]
     """By setting, task and method: the cells that it chooses among."""
-    seeds: int
-    """How many each cell should have."""
-    generations: int
+    budget: Budget
     equal: Mapping[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
     """By task and measure at equal cost: the range of its mean, common to all runs of the task."""
 
@@ -61,7 +60,11 @@ class Outcomes:
 
     def missing(self, cell: Cell) -> int:
         """How many of its seeds a cell lacks."""
-        return self.seeds - len(self._by_cell.get(cell, ()))
+        return self.budget.seeds - len(self._by_cell.get(cell, ()))
+
+    def generations(self, cells: Iterable[Cell]) -> int:
+        """The fewest that runs of some cells have."""
+        return min(self.budget.generations_of(cell.task) for cell in cells)
 
     def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:
         """All cells of a task and some methods."""
@@ -105,8 +108,7 @@ def gather(campaign: Campaign) -> Outcomes:
         runs,
         grid,
         {setting: candidates(configuration, setting) for setting in SETTINGS},
-        configuration.budget.seeds,
-        configuration.budget.generations,
+        configuration.budget,
         equal,
     )
 

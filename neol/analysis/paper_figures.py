@@ -35,7 +35,7 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
     outcome = (
         "best fitness of the final generation (return)"
         if metric == "final_best"
-        else f"SCORE, with M = {describe_samples(campaign)}"
+        else f"SCORE, with M = {describe_samples(campaign, [task])}"
     )
     figure = heatmaps(
         _outcomes(campaign, shown, metric),

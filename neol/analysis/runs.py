@@ -96,16 +96,15 @@ class Campaign:
         runs = self.runs(cell)
         if metric == "score":
             return {
-                seed: score(best, cell.population, self.score_samples)
+                seed: score(best, cell.population, self.score_samples(cell.task))
                 for seed, best in runs.best_fitness.items()
             }
         return {"final_best": runs.final_best, "held_out": runs.held_out}[metric]
 
-    @property
-    def score_samples(self) -> float:
-        """M, by which this budget's SCORE divides."""
+    def score_samples(self, task: str) -> float:
+        """M, by which the SCORE of a task's runs is divided in this budget."""
         budget = self.configuration.budget
-        return samples(budget.generations, max(budget.populations))
+        return samples(budget.generations_of(task), max(budget.populations))
 
     def sources(self, cells: Iterable[Cell]) -> tuple[Source, ...]:
         """The records of some cells, each once."""

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from neol.analysis.captions import by_task
 from neol.analysis.runs import Source
 from neol.analysis.statistics import Floats, estimate
 from neol.campaign import RESULTS
@@ -52,8 +53,9 @@ def describe_trials(configuration: Configuration) -> str:
     """How the variants were run, in a sentence, for captions."""
     first, *others = trials(configuration, BASELINE)
     rate = max(trial.spec.plasticity.learning_rate for trial in (first, *others))
+    generations = {trial.task: str(trial.spec.generations) for trial in (first, *others)}
     return (
-        f"Sensitivity runs of budget {configuration.budget.name}: G = {first.spec.generations} "
+        f"Sensitivity runs of budget {configuration.budget.name}: G = {by_task(generations)} "
         f"generations, population {first.spec.population}, learning rate {rate:g}, "
         f"{len(first.seeds)} seeds that no table uses."
     )

@@ -12,6 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from neol.analysis import reference
+from neol.analysis.captions import describe_generations
 from neol.analysis.labels import task_label
 from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
@@ -79,7 +80,7 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
     budget = configuration.budget
     is_paper = configuration == load_configuration("paper")
     yield "budget/name", escape(budget.name)
-    yield "budget/generations", _number(budget.generations)
+    yield "budget/generations", escape(describe_generations(budget))
     yield "budget/seeds", _number(budget.seeds)
     yield "budget/populations", ", ".join(map(_number, budget.populations))
     yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))

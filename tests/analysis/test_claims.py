@@ -16,6 +16,7 @@ from neol.analysis.outcomes import METRICS, Outcomes
 from neol.analysis.statistics import seeds_needed
 from neol.campaign import Cell
 from neol.errors import UserError
+from neol.spec import load_configuration
 
 Values = dict[Cell, Sequence[float]]
 Test = dict[str, Any]
@@ -46,8 +47,9 @@ def outcomes(values: Values, seeds: int = 8, generations: int = 500) -> Outcomes
         pd.DataFrame(rows, columns=columns).astype({"learning_rate": float}),
         tuple(values),
         dict.fromkeys(("table3", "table4", "score"), candidates),
-        seeds,
-        generations,
+        load_configuration("paper").budget.model_copy(
+            update={"seeds": seeds, "generations": generations}
+        ),
     )
 
 
@@ -456,8 +458,7 @@ class TestLedger:
             data.runs.sample(frac=1, random_state=np.random.default_rng(0)),
             data.cells,
             data.candidates,
-            data.seeds,
-            data.generations,
+            data.budget,
         )
         first, second = (decide(claim(**HIGHER), each).findings[0] for each in (data, shuffled))
         assert (first.low, first.high) == (second.low, second.high)

@@ -45,8 +45,9 @@ def test_outcomes_are_means_over_seeds_with_intervals(paths: list[Path]) -> None
 def test_score_is_that_of_the_budget(paths: list[Path], tmp_path: Path) -> None:
     assert "SCORE" not in outcomes(contestants(paths)), "not as many generations as the budget"
     budget = load_configuration("smoke").budget
-    whole = contestants(written(tmp_path / "whole", budget.generations))
-    divisor = samples(budget.generations, max(budget.populations))
+    generations = budget.generations_of("cartpole")
+    whole = contestants(written(tmp_path / "whole", generations))
+    divisor = samples(generations, max(budget.populations))
     scores = [score([end + 2, end + 1, end], 6, divisor) for end in FINAL["neat"]]
     assert outcomes(whole)["SCORE"][1].startswith(f"{np.mean(scores):.3f} [")
 

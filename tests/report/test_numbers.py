@@ -75,7 +75,7 @@ def test_costs_add_up(campaign: Campaign) -> None:
     assert spent.loc["hopper", "runs"] == runs / 4
     assert list(spent.index) == [*TASKS, "all"]
     by_hand = sum(
-        cell.population * campaign.configuration.budget.generations
+        cell.population * campaign.configuration.budget.generations_of("hopper")
         for cell in cells(campaign.configuration)
         if cell.task == "hopper"
     )
