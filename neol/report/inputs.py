@@ -41,13 +41,16 @@ def read(path: Path) -> bytes:
 def vouched(output: Path) -> tuple[bytes, Sidecar]:
     """The content of a table or figure, and the sidecar that says what made it.
 
-    Raises UserError where one is missing, or the file is not the one that the sidecar is about.
+    Raises UserError where one is missing, or the file, or one that was made with it (a table's
+    LaTeX, a figure's PDF), is not the one that the sidecar is about.
     """
     content = read(output)
     sidecar = Sidecar.read(output.with_suffix(".json"))
-    if sidecar.outputs.get(output.name) != hashlib.sha256(content).hexdigest():
-        raise UserError(
-            f"{output}: changed since {output.stem}.json was written; "
-            "remove both, and `make report` makes them anew"
-        )
+    for name in {output.name, *sidecar.outputs}:
+        file = output.with_name(name)
+        if hashlib.sha256(read(file)).hexdigest() != sidecar.outputs.get(name):
+            raise UserError(
+                f"{file}: changed since {output.stem}.json was written; "
+                "remove both, and `make report` makes them anew"
+            )
     return content, sidecar

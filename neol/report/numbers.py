@@ -19,7 +19,7 @@ from neol.analysis.runs import Campaign
 from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.report.costs import costs
-from neol.report.inputs import command_line, read
+from neol.report.inputs import command_line, vouched
 from neol.spec import Configuration, load_configuration
 
 KEYS = {
@@ -39,7 +39,8 @@ _DEFINITIONS = r"""
 def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
     """Every number that the text may show, by name, as LaTeX.
 
-    Raises UserError where a file is missing from the folder `figures`.
+    Raises UserError where a file is missing from the folder `figures`, or is not the one that its
+    sidecar is about.
     """
     found = dict(_of_configuration(campaign.configuration))
     for name, keys in KEYS.items():
@@ -128,7 +129,8 @@ def _number(value: float) -> str:
 
 
 def _read(path: Path) -> pd.DataFrame:
-    return pd.read_csv(io.BytesIO(read(path)))
+    content, _ = vouched(path)
+    return pd.read_csv(io.BytesIO(content))
 
 
 def write_results_tex(campaign: Campaign, figures: Path, output: Path) -> None:

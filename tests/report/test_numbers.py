@@ -1,6 +1,7 @@
 """The paper's text: its numbers come from tables, and none is typed."""
 
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from neol.analysis.beyond import effects
 from neol.analysis.labels import TASKS
 from neol.analysis.outcomes import gather
 from neol.analysis.runs import Campaign
+from neol.analysis.sidecar import write_sidecar
 from neol.campaign import cells
 from neol.errors import UserError
 from neol.report.costs import costs
@@ -38,12 +40,13 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
     for name in KEYS:
         if name.startswith("table"):
             getattr(tables, name)(campaign).write(folder)
-    effects(gather(campaign), campaign.configuration.budget).to_csv(
-        folder / "beyond_effects.csv", index=False
-    )
-    pd.DataFrame(
+    ledger = pd.DataFrame(
         {"claim": ["a", "a", "b"], "verdict": ["supported", "supported", "undecided"]}
-    ).to_csv(folder / "claims.csv", index=False)
+    )
+    found = effects(gather(campaign), campaign.configuration.budget)
+    for name, table in (("beyond_effects", found), ("claims", ledger)):
+        table.to_csv(folder / f"{name}.csv", index=False)
+        write_sidecar([folder / f"{name}.csv"], campaign.configuration, ())
     return folder
 
 
@@ -91,6 +94,17 @@ def test_verdicts_are_counted_by_claim(campaign: Campaign, figures: Path) -> Non
 
 def test_a_missing_table_is_said(campaign: Campaign, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"table1\.csv: cannot be read .*make report"):
+        numbers(campaign, tmp_path)
+
+
+@pytest.mark.parametrize("edited", ["table1.csv", "table7.tex", "claims.csv"])
+def test_an_edited_file_is_refused(
+    campaign: Campaign, figures: Path, tmp_path: Path, edited: str
+) -> None:
+    shutil.copytree(figures, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / edited
+    file.write_text(file.read_text().replace("7", "8").replace("undecided", "supported"))
+    with pytest.raises(UserError, match=rf"{edited}: changed since {file.stem}\.json was written"):
         numbers(campaign, tmp_path)
 
 
