@@ -12,7 +12,8 @@ COSTS = ("runs", "evaluations", "env_steps", "core_hours")
 def costs(campaign: Campaign) -> pd.DataFrame:
     """A row for each of a budget's tasks, by its name, and "all" of them; columns are `COSTS`.
 
-    Environment steps are those of training. Core-hours are CPU time, held-out episodes included.
+    Environment steps are those of training. Core-hours are CPU time, held-out episodes included,
+    worker processes not.
     """
     rows = []
     for cell in cells(campaign.configuration):

@@ -15,8 +15,8 @@ from neol.champions.film import film
 from neol.champions.player import Player, load_champion
 from neol.errors import UserError
 from neol.files import write_atomically
+from neol.model import Model
 from neol.report.inputs import command_line
-from neol.spec import Model
 
 
 class Shown(Model):
