@@ -45,8 +45,9 @@ def open_regular(path: Path) -> BufferedReader:
     """
     try:
         file = open(path, "rb", opener=_without_blocking)  # noqa: SIM115
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read ({error.strerror})") from None
+    except (OSError, ValueError) as error:  # a name from a file may hold a zero
+        reason = getattr(error, "strerror", error)
+        raise UserError(f"{path}: cannot be read ({reason})") from None
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
     file.close()

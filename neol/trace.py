@@ -28,7 +28,7 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
         raise UserError(f"{output}: not one of the files that {path.name} is about")
     dirty = ", with changes that were not committed" if sidecar.dirty else ""
     for name, expected in sidecar.outputs.items():
-        yield f"{name}{_state(path.with_name(name), expected)}"
+        yield f"{name}{_state(path.parent / name, expected)}"
     yield f"made by  {sidecar.command}"
     yield f"commit   {sidecar.commit or 'unknown'}{dirty}"
     yield f"budget   {sidecar.budget}, configuration {sidecar.configuration[:16]}"
@@ -43,6 +43,7 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
 
 def _state(path: Path, expected: str) -> str:
     """What has become of a file since."""
-    if not path.is_file():
+    try:
+        return "" if sha256(path) == expected else "  (changed since)"
+    except UserError:
         return "  (not here)"
-    return "" if sha256(path) == expected else "  (changed since)"

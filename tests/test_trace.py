@@ -1,5 +1,6 @@
 """What `neol trace` says of a table."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,16 @@ def test_what_has_become_of_a_record_is_said(table: Path) -> None:
     (folder / "p012/seeds_000-002.parquet").unlink()
     states = [line for line in trace(table, table.parent.parent) if line.endswith(")")]
     assert [line.partition("  ")[2] for line in states] == ["(changed since)", "(not here)"]
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "..", "\0", "x" * 5000])
+def test_names_that_are_none_are_not_here(table: Path, name: str) -> None:
+    sidecar = json.loads(table.with_suffix(".json").read_text())
+    sidecar["outputs"][name] = "0" * 64
+    sidecar["records"][0]["path"] = name
+    table.with_suffix(".json").write_text(json.dumps(sidecar))
+    lines = list(trace(table, table.parent.parent))
+    assert lines.count(f"{name}  (not here)") == 2
 
 
 def test_what_cannot_be_traced_is_said_in_one_line(table: Path) -> None:
