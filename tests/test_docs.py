@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from neol.analysis.captions import describe_generations
 from neol.campaign import blocks, cells
 from neol.spec import ROOT, budgets, load_configuration
 
@@ -75,7 +76,7 @@ def test_the_readme_knows_the_budgets_and_their_records() -> None:
         runs = len(cells(configuration)) * budget.seeds
         populations = ", ".join(map(str, budget.populations))
         assert (
-            f"| `{name}` | {budget.generations} | {budget.seeds} | {populations} "
+            f"| `{name}` | {describe_generations(budget)} | {budget.seeds} | {populations} "
             f"| {len(budget.learning_rates)} | {runs:,} |"
         ) in text
         records |= {str(block.record) for block in blocks(configuration)}

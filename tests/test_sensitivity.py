@@ -35,9 +35,15 @@ def test_the_seeds_are_none_of_the_budgets() -> None:
 
 
 @pytest.mark.parametrize(
-    ("budget", "evaluations"), [("demo", 230_000), ("desk", 230_000), ("paper", 230_000)]
+    ("budget", "task", "evaluations"),
+    [
+        ("demo", "cartpole", 230_000),
+        ("desk", "hopper", 92_000),
+        ("desk", "bipedal_walker", 115_000),
+        ("paper", "hopper", 230_000),
+    ],
 )
-def test_the_study_costs_what_its_file_says(budget: str, evaluations: int) -> None:
+def test_the_study_costs_what_its_file_says(budget: str, task: str, evaluations: int) -> None:
     constants = load_configuration(budget)
     spent = [
         len(trial.seeds)
@@ -46,7 +52,7 @@ def test_the_study_costs_what_its_file_says(budget: str, evaluations: int) -> No
         * trial.spec.evaluation.episodes
         for name in variants()
         for trial in trials(constants, name)
-        if trial.task == "cartpole"
+        if trial.task == task
     ]
     assert (len(spent), sum(spent)) == (19, evaluations)
     assert f"{evaluations:,}" in STUDY.read_text(encoding="utf-8")
