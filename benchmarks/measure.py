@@ -27,13 +27,14 @@ from benchmarks.trajectories import (
     seconds_of_resets,
 )
 from neol import evolution
+from neol.constants import Plasticity
 from neol.evolution import Evolution
 from neol.neat.reproduction import Reproduction
 from neol.network import Networks
 from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.reference import ReferenceEngine, network_size
 from neol.run import run_seed
-from neol.spec import Plasticity, RunSpec, load_configuration
+from neol.spec import RunSpec, load_configuration
 
 Values = dict[str, float]
 Contestant = Callable[[], Values]

@@ -16,9 +16,10 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 
+from neol.constants import Plasticity
 from neol.errors import UserError
 from neol.seeding import episode_seeds
-from neol.spec import Plasticity, RunSpec, load_configuration
+from neol.spec import RunSpec, load_configuration
 
 try:
     import neat

@@ -17,6 +17,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from neol.constants import Plasticity, Task
 from neol.foreign import call_void
 from neol.kernel import kernel
 from neol.network import Networks
@@ -27,7 +28,6 @@ from neol.rollout.episodes import Batch, play_batch
 from neol.rollout.fast import FastEngine
 from neol.rollout.hopper import FRAME_SKIP
 from neol.rollout.reference import make_environment
-from neol.spec import Plasticity, Task
 
 Array = npt.NDArray[np.float64]
 

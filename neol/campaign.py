@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 
-from neol.spec import ROOT, Budget, Configuration, RunSpec
+from neol.constants import Budget
+from neol.spec import ROOT, Configuration, RunSpec
 
 RESULTS = Path("results")
 REFERENCE = ROOT / "paper" / "reference"

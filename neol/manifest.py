@@ -12,9 +12,9 @@ from pydantic_core import PydanticCustomError
 from neol.complaint import one_line
 from neol.errors import UserError
 from neol.files import read_bounded, write_atomically
+from neol.model import Model
 from neol.records import MAX_BYTES as MAX_RECORD_BYTES
 from neol.records import Record, parse_record
-from neol.spec import Model
 
 NAME = "manifest.json"
 MAX_BYTES = 2**26

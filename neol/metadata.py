@@ -10,7 +10,8 @@ from typing import Any
 import yaml
 
 from neol.files import write_atomically
-from neol.spec import ROOT, Model
+from neol.model import Model
+from neol.spec import ROOT
 
 CITATION = ROOT / "CITATION.cff"
 

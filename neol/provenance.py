@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
-from neol.spec import Model
+from neol.model import Model
 
 PACKAGES = ("numpy", "numba", "gymnasium", "mujoco", "box2d", "neol")
 

@@ -25,10 +25,11 @@ from neol.complaint import one_line
 from neol.errors import UserError
 from neol.evolution import COLUMNS, Generation
 from neol.files import open_regular, read_bounded, write_atomically
+from neol.model import Model
 from neol.neat.check import check_genome
 from neol.neat.genome import CONNECTION, NODE, Genome
 from neol.provenance import Provenance
-from neol.spec import Model, RunSpec
+from neol.spec import RunSpec
 
 SCHEMA_VERSION = 1
 MAX_BYTES = 2**28

@@ -9,16 +9,9 @@ from pathlib import Path
 
 from neol.campaign import RESULTS
 from neol.errors import UserError
+from neol.model import Model, Population, PositiveInt
 from neol.overlay import Overlay
-from neol.spec import (
-    CONFIG,
-    Configuration,
-    Model,
-    Population,
-    PositiveInt,
-    RunSpec,
-    load_configuration,
-)
+from neol.spec import CONFIG, Configuration, RunSpec, load_configuration
 
 VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
 STUDY = CONFIG / "sensitivity" / "study.yaml"

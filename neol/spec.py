@@ -1,36 +1,36 @@
-"""What a run is: every constant typed, validated and hashable.
+"""What a run is, and the configurations that runs come from.
 
-The types hold no values. `config/base.yaml` holds every constant with its source, a budget's file
-overlays it, and `key=value` overrides come last. `python -m neol.spec` writes `config/schema.json`,
-which editors check these files with.
+`config/base.yaml` holds every constant with its source, a budget's file overlays it, and
+`key=value` overrides come last. `python -m neol.spec` writes `config/schema.json`, which editors
+check these files with.
 """
 
 import hashlib
 import json
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, LiteralString, TypeVar
+from typing import Any
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    ValidationError,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
-    model_validator,
-)
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic import ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from neol.complaint import hint, one_line
+from neol.constants import (
+    Budget,
+    Evaluation,
+    Method,
+    Neat,
+    NeatConstants,
+    Network,
+    Plasticity,
+    PlasticityConstants,
+    Task,
+)
 from neol.errors import UserError
+from neol.model import MethodName, Model, NonNegativeInt, Population, PositiveInt, Text
 from neol.overlay import Overlay
-from neol.rules import NO_RULE, RULES, WITHOUT_RULE
+from neol.rules import RULES
 
 _PACKAGE = Path(__file__).resolve().parent
 # A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
@@ -38,214 +38,6 @@ ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
 DEFAULT_BUDGET = "paper"
 """Its constants are those of config/base.yaml."""
-
-
-def _union(sentence: LiteralString) -> WrapValidator:
-    """Say in one sentence what is allowed where pydantic would report on each member of a union."""
-
-    def check(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
-        try:
-            return validate(value)
-        except ValidationError:
-            raise PydanticCustomError("union", sentence) from None
-
-    return WrapValidator(check)
-
-
-Item = TypeVar("Item")
-
-
-def _distinct(values: tuple[Item, ...]) -> tuple[Item, ...]:
-    if len(set(values)) < len(values):
-        raise PydanticCustomError("distinct", "must not name a value twice")
-    return values
-
-
-@dataclass(frozen=True, slots=True)
-class _OneOf:
-    """Allows a string among names that are asked for each time: rules may be added."""
-
-    names: Callable[[], Sequence[str]]
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        return core_schema.no_info_after_validator_function(self._check, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        return {**handler(schema), "enum": list(self.names())}
-
-    def _check(self, value: str) -> str:
-        *most, last = map(repr, self.names())
-        if value not in self.names():
-            raise PydanticCustomError(
-                "one_of", "must be {most} or {last}", {"most": ", ".join(most), "last": last}
-            )
-        return value
-
-
-Probability = Annotated[float, Field(ge=0, le=1)]
-PositiveInt = Annotated[int, Field(ge=1)]
-NonNegativeInt = Annotated[int, Field(ge=0)]
-PositiveFloat = Annotated[float, Field(gt=0)]
-NonNegativeFloat = Annotated[float, Field(ge=0)]
-Population = Annotated[int, Field(ge=2, le=100_000)]  # a slip of the hand would fill the memory
-Text = Annotated[str, Field(min_length=1)]
-Several = Annotated[
-    tuple[Item, ...],
-    Field(min_length=1, json_schema_extra={"uniqueItems": True}),
-    AfterValidator(_distinct),
-]
-
-RuleName = Annotated[str, _OneOf(lambda: [NO_RULE, *RULES])]
-MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES])]
-WeightMutation = Annotated[
-    Literal["off", "config"] | Probability,
-    _union("must be 'off', 'config' or a probability from 0 to 1"),
-]
-ForEachTask = Annotated[
-    PositiveInt | dict[Text, PositiveInt],
-    _union("must be an integer of at least 1, or such an integer for each task"),
-]
-
-
-class Model(BaseModel):
-    """Immutable, strict about types, without unknown keys and without infinities."""
-
-    model_config = ConfigDict(
-        frozen=True,
-        extra="forbid",
-        strict=True,
-        allow_inf_nan=False,
-        use_attribute_docstrings=True,
-    )
-
-
-class Task(Model):
-    """A Gymnasium environment and how long an episode of it may be (Section 4.1)."""
-
-    name: Text
-    """Its key under `tasks`; never written in a file."""
-    environment: Annotated[str, Field(pattern="^[^:]+$")]
-    """Gymnasium id, without a module: a file from elsewhere must not have one imported."""
-    max_steps: PositiveInt
-    """T_max: an episode's limit in environment steps."""
-    fresh_world: bool
-    """Make a new environment for every episode: its reset does not forget the one before."""
-
-
-class Network(Model):
-    """The phenotype (Section 4.1, "Algorithm Protocol")."""
-
-    hidden_activation: Literal["tanh", "relu", "sigmoid", "identity"]
-    sum_limit: PositiveFloat
-    """A node's sum is clipped to +- this before its activation."""
-
-
-class PlasticityConstants(Model):
-    """What all rules share (Section A.3)."""
-
-    reward_scale: PositiveFloat
-    """beta."""
-    threshold_rate: Annotated[float, Field(gt=0, le=1)]
-    """alpha of the sliding threshold."""
-    weight_limit: PositiveFloat
-    """A weight is clipped to +- this after every update."""
-    write_back: bool
-    """Write an episode's learned weights to the genome (Lamarckian inheritance)."""
-
-
-class Plasticity(PlasticityConstants):
-    """The plasticity of a run."""
-
-    rule: Text
-    """A record may name one that is not known here; no engine plays with it."""
-    learning_rate: NonNegativeFloat
-    """eta."""
-
-    @property
-    def learns(self) -> bool:
-        """Whether there is a rule at all."""
-        return self.rule != NO_RULE
-
-
-class Evaluation(Model):
-    """How a genome gets its fitness (Algorithm 2), and the champion its held-out score."""
-
-    episodes: Annotated[int, Field(ge=1, le=1_000)]
-    """N: fitness is the mean return over N episodes."""
-    held_out_episodes: Annotated[int, Field(ge=1, le=100_000)]
-    """Fresh episodes that the champion is evaluated on."""
-    step_limit: PositiveInt | None
-    """A run ends with the generation that reaches this many environment steps; null: no limit."""
-
-
-class NeatConstants(Model):
-    """NEAT (Algorithms 3 and 4); rates are probabilities."""
-
-    weight_init_sd: NonNegativeFloat
-    weight_mutate_rate: Probability
-    weight_mutate_power: NonNegativeFloat
-    """Standard deviation of a perturbation."""
-    weight_replace_rate: Probability
-    weight_limit: PositiveFloat
-    bias_init_sd: NonNegativeFloat
-    bias_mutate_rate: Probability
-    bias_mutate_power: NonNegativeFloat
-    """Standard deviation of a perturbation."""
-    bias_replace_rate: Probability
-    bias_limit: PositiveFloat
-    enabled_mutate_rate: Probability
-    disable_rate: Probability
-    """A gene disabled in either parent is disabled in the child."""
-    add_connection_rate: Probability
-    """m_l."""
-    add_node_rate: Probability
-    """m_n."""
-    remove_connection_rate: Probability
-    remove_node_rate: Probability
-    crossover_rate: Probability
-    """p_c."""
-    survival_threshold: Annotated[float, Field(gt=0, le=1)]
-    """rho: the fraction of a species that may become parents."""
-    elitism: NonNegativeInt
-    """E: genomes of a species copied unchanged."""
-    min_species_size: PositiveInt
-    disjoint_coefficient: NonNegativeFloat
-    """c_1."""
-    weight_coefficient: NonNegativeFloat
-    """c_3."""
-    compatibility_threshold: PositiveFloat
-    """delta_t."""
-    distance_normaliser: Literal["matching", "larger_genome"]
-    """N of the distance."""
-    sharing: Literal["stanley", "literal"]
-    max_stagnation: PositiveInt
-    """G_stag: generations without a better best fitness."""
-    species_elitism: NonNegativeInt
-    """Species that never die of stagnation."""
-
-
-class Neat(NeatConstants):
-    """The NEAT of a run."""
-
-    weight_mutation: WeightMutation
-    """WM_MODE: off, config (the rates above) or a probability in place of weight_mutate_rate."""
-
-
-class Method(Model):
-    """What distinguishes NEAT, NEAT (w/o) and the rules of NEOL."""
-
-    rule: RuleName
-    weight_mutation: WeightMutation
-    """WM_MODE: off, config or a probability."""
-
-    @property
-    def learns(self) -> bool:
-        """Whether it has a rule at all."""
-        return self.rule != NO_RULE
 
 
 class RunSpec(Model):
@@ -282,36 +74,6 @@ class RunSpec(Model):
     def trajectory_key(self) -> str:
         """The digest without `generations`: runs that share it are prefixes of each other."""
         return _sha256(self.model_dump(mode="json", exclude={"generations"}))
-
-
-class Budget(Model):
-    """How much a campaign spends."""
-
-    name: Text
-    """The name of its file; never written in it."""
-    generations: ForEachTask
-    """G: of any task, or for each."""
-    seeds: Annotated[int, Field(ge=1, le=10_000)]
-    """How many: a cell runs with seeds 0 to seeds - 1."""
-    populations: Several[Population]
-    learning_rates: Several[NonNegativeFloat]
-    """Grid of eta for the methods with a rule."""
-    tasks: Several[Text]
-    methods: Several[MethodName]
-    seeds_per_job: ForEachTask
-    """Runs of a cell that one job of the workflow makes: of any task, or for each."""
-
-    def generations_of(self, task: str) -> int:
-        """G of a task's runs."""
-        return _of_task(self.generations, task)
-
-    def seeds_per_job_of(self, task: str) -> int:
-        """How many runs one job makes of a task's cell."""
-        return _of_task(self.seeds_per_job, task)
-
-
-def _of_task(number: int | dict[str, int], task: str) -> int:
-    return number if isinstance(number, int) else number[task]
 
 
 class Configuration(Model):

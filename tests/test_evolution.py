@@ -6,11 +6,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from neol.constants import Plasticity
 from neol.evolution import Evolution, finite_fitness
 from neol.network import Networks
 from neol.rollout.engine import Rollouts
 from neol.rollout.reference import ReferenceEngine
-from neol.spec import Plasticity, RunSpec, load_configuration
+from neol.spec import RunSpec, load_configuration
 from tests.test_network import outputs_of
 
 

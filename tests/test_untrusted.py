@@ -23,6 +23,7 @@ from neol import checkpoint, manifest, spec
 from neol.analysis.claims import CLAIMS, load_claims
 from neol.checkpoint import Cost
 from neol.errors import UserError
+from neol.files import folder
 from neol.plain_yaml import parse_yaml
 from neol.records import SCHEMA, read_record, read_spec
 from neol.spec import CONFIG, ROOT, load_configuration
@@ -270,6 +271,12 @@ def test_overrides_are_taken_or_give_one_clear_error(keys: list[str], value: str
 def test_a_budget_is_a_name_or_gives_one_clear_error(budget: Any) -> None:
     """It may be a notebook's parameter, of whatever type papermill made it."""
     survive(lambda: load_configuration(budget))
+
+
+@fuzz
+@given(name=HOSTILE)
+def test_a_folder_is_a_name_or_gives_one_clear_error(name: Any) -> None:
+    survive(lambda: folder(name))
 
 
 @fuzz

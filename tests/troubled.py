@@ -8,10 +8,10 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from neol.constants import Task
 from neol.rollout.engine import Engine
 from neol.rollout.parallel import ProcessEngine
 from neol.rollout.reference import ReferenceEngine
-from neol.spec import Task
 
 TROUBLE = "NEOL_TEST_TROUBLE"
 """Names a file that holds `raise` or `die`."""

@@ -30,7 +30,7 @@ from neol.analysis.statistics import (
     seeds_needed,
     superiority,
 )
-from neol.spec import Budget
+from neol.constants import Budget
 
 COMPARISONS = (
     ("final fitness", "table3", "final_best", "neat", 5),

@@ -13,8 +13,8 @@ from neol.analysis.beyond import COMPARISONS, SOLVED
 from neol.analysis.labels import challengers, method_label, shown_methods, task_label
 from neol.analysis.outcomes import EQUAL
 from neol.analysis.style import GREY, WIDTH, Style, drawing, footer, styles
+from neol.constants import Budget
 from neol.sensitivity import BASELINE
-from neol.spec import Budget
 
 GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
 """Behind words that lines run through."""

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from neol.analysis.labels import task_label
 from neol.analysis.runs import Campaign
 from neol.campaign import cells
-from neol.spec import Budget, Configuration, load_configuration
+from neol.constants import Budget
+from neol.spec import Configuration, load_configuration
 
 
 def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:

@@ -6,7 +6,8 @@ from statistics import fmean
 
 from neol.analysis.labels import challengers
 from neol.campaign import Cell, cells, paper_cells
-from neol.spec import Budget, Configuration
+from neol.constants import Budget
+from neol.spec import Configuration
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,8 +45,9 @@ from neol.analysis.statistics import (
     seeds_needed,
 )
 from neol.errors import UserError
+from neol.model import Model
 from neol.plain_yaml import read_yaml
-from neol.spec import ROOT, Model
+from neol.spec import ROOT
 
 CLAIMS = ROOT / "paper" / "claims.yaml"
 LEAST_SEEDS = 5

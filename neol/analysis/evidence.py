@@ -16,7 +16,7 @@ from neol.analysis import statistics
 from neol.analysis.outcomes import METRICS, Outcomes
 from neol.analysis.statistics import Effect, Floats, superiority
 from neol.campaign import Cell
-from neol.spec import Model
+from neol.model import Model
 
 Metric = Literal["final_best", "score", "equal_evaluations", "equal_steps", "held_out"]
 Setting = Literal["table3", "table4", "score"]

@@ -11,7 +11,7 @@ from neol.analysis.evidence import Methods, Metric, Part, Setting, chosen, signe
 from neol.analysis.outcomes import Outcomes
 from neol.analysis.statistics import Floats, mean_difference, superiority
 from neol.campaign import Cell
-from neol.spec import Model
+from neol.model import Model
 
 Size = int | Literal["smallest", "largest"]
 Rate = float | Literal["smallest", "largest"]

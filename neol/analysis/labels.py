@@ -1,7 +1,7 @@
 """Tasks and methods as the paper prints them, and in which order."""
 
+from neol.constants import Budget
 from neol.rules import WITHOUT_RULE
-from neol.spec import Budget
 
 METHODS = {"bcm": "BCM", "hebb": "Hebb", "oja": "Oja", "neat": "NEAT", "neat_wo": "NEAT (w/o)"}
 PAPER_RULES = ("bcm", "hebb", "oja")

@@ -12,7 +12,7 @@ from neol.analysis.runs import Campaign
 from neol.analysis.score import mean_best_so_far
 from neol.analysis.statistics import Floats
 from neol.campaign import Cell, cells
-from neol.spec import Budget
+from neol.constants import Budget
 
 METRICS = {
     "final_best": "final best fitness",

@@ -12,8 +12,9 @@ from pydantic import ValidationError
 from neol.analysis.runs import Source
 from neol.errors import UserError
 from neol.files import read_bounded, sha256, write_atomically
+from neol.model import Model
 from neol.provenance import provenance
-from neol.spec import ROOT, Configuration, Model
+from neol.spec import ROOT, Configuration
 
 MAX_BYTES = 2**27
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from neol.champions.names import names
 from neol.champions.player import Player
+from neol.model import Model
 from neol.rollout.reference import make_environment
-from neol.spec import Model
 
 
 class Discrete(Model):

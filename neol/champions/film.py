@@ -16,9 +16,9 @@ import numpy as np
 from PIL import Image
 
 from neol.champions.player import Player, Trace
+from neol.constants import Task
 from neol.errors import UserError
 from neol.rollout.reference import ReferenceEngine, Step
-from neol.spec import Task
 
 Drawn = TypeVar("Drawn")
 

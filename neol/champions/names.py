@@ -1,6 +1,6 @@
 """What the inputs and outputs of a task's networks mean, from Gymnasium's documentation."""
 
-from neol.spec import Task
+from neol.constants import Task
 
 _WALKER = (
     (

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from neol.constants import Neat
 from neol.kernel import kernel
 from neol.neat.genome import CONNECTION, NODE, Pool
 from neol.neat.innovations import Innovations, connection_number, split_node
 from neol.neat.values import Values, draw_values, mutate_values
 from neol.pcg64 import State, below, next_double
-from neol.spec import Neat
 
 Genes = npt.NDArray[np.void]
 

@@ -4,9 +4,9 @@ import sys
 from functools import partial
 from typing import Literal
 
+from neol.constants import Task
 from neol.errors import NOTICE, UserError
 from neol.rollout.engine import Engine, Rollouts
-from neol.spec import Task
 
 EngineChoice = Literal["auto", "fast", "reference"]
 

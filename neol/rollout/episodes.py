@@ -59,7 +59,7 @@ class Batch(NamedTuple):
     edge_offset: Integers
     source: Integers
     inherited_weight: Floats
-    # neol.spec.Task and Plasticity
+    # neol.constants.Task and Plasticity
     max_steps: int
     rule: int
     rate: float

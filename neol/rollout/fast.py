@@ -9,13 +9,13 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from neol.constants import Plasticity, Task
 from neol.network import Networks
 from neol.plasticity import compiled
 from neol.rollout.box2d import library as box2d
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, World
 from neol.rollout.parallel import portions
-from neol.spec import Plasticity, Task
 
 
 class Simulation(Protocol):

@@ -14,10 +14,10 @@ from concurrent.futures.process import BrokenProcessPool
 import numpy as np
 import numpy.typing as npt
 
+from neol.constants import Plasticity
 from neol.errors import UserError
 from neol.network import Networks
 from neol.rollout.engine import Engine, Rollouts
-from neol.spec import Plasticity
 
 _LARGEST_PORTION = 8  # so that Python regains control, and hears Ctrl-C, within a second or two
 

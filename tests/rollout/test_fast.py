@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from neol.constants import Plasticity, Task
 from neol.network import ACTIVATIONS, Networks
 from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.box2d import library as box2d
@@ -16,7 +17,7 @@ from neol.rollout.episodes import Batch
 from neol.rollout.fast import FastEngine, fast_engine
 from neol.rollout.reference import ReferenceEngine, network_size
 from neol.rules import NO_RULE, RULES
-from neol.spec import Plasticity, Task, load_configuration
+from neol.spec import load_configuration
 from tests.core import require_core
 from tests.networks import random_networks
 from tests.rollout.test_hopper import STANDING

@@ -5,10 +5,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from neol.constants import Plasticity, Task
 from neol.errors import UserError
 from neol.rollout import make_engine
 from neol.rollout.reference import ReferenceEngine, Step, make_environment, network_size
-from neol.spec import Plasticity, Task, load_configuration
+from neol.spec import load_configuration
 from tests.networks import random_networks
 from tests.test_network import outputs_of
 
