@@ -2,10 +2,12 @@
 
 `python -m benchmarks.soak --minutes 45` clones this checkout to a temporary folder, runs a budget
 of many blocks there with two workers each, looks at every process at regular times, and prints
-for each kind of process how its figures depend on its age.
+for each kind of process how its figures depend on its age. With `--pid` it looks at a workflow
+that is running already, and leaves it alone.
 """
 
 import argparse
+import contextlib
 import os
 import shutil
 import signal
@@ -57,6 +59,8 @@ class Sample:
     kind: str
     process: tuple[int, float]
     """Its number and when it began."""
+    time: float
+    """Of the look, in seconds of the epoch."""
     age: float
     """Seconds."""
     memory: float
@@ -67,24 +71,25 @@ class Sample:
 
 
 def main() -> None:
-    """Run the soak; exits with 1 where anything grows."""
+    """Run or watch the soak; exits with 1 where anything grows, or the workflow ended early."""
     parser = argparse.ArgumentParser(description=__doc__, prog="python -m benchmarks.soak")
     parser.add_argument("--minutes", type=float, default=45)
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--every", type=float, default=5, help="seconds between two looks")
+    parser.add_argument("--pid", type=int, help="of a running workflow to watch instead")
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory(prefix="neol-soak-") as folder:
-        clone = _clone(Path(folder, "neol"))
-        samples, records, status = _campaign(
-            clone, arguments.minutes, arguments.cores, arguments.every
-        )
+    seconds, every = arguments.minutes * 60, arguments.every
+    if arguments.pid is not None:
+        samples = _watch(psutil.Process(arguments.pid), seconds, every)
+    else:
+        with tempfile.TemporaryDirectory(prefix="neol-soak-") as folder:
+            samples = _campaign(_clone(Path(folder, "neol")), arguments.cores, seconds, every)
+    minutes = (samples[-1].time - samples[0].time) / 60
     jobs = len({sample.process for sample in samples if sample.kind == "neol run"})
-    print(
-        f"{arguments.minutes:g} minutes on {arguments.cores} cores: {records} records, {jobs} jobs"
-    )
+    print(f"{minutes:.0f} of {arguments.minutes:g} minutes, {jobs} jobs")
     flat = _report(samples)
     print("verdict: " + ("flat" if flat else "something grows"))
-    sys.exit(not flat or status is not None)
+    sys.exit(not flat or minutes < 0.9 * arguments.minutes)
 
 
 def _clone(folder: Path) -> Path:
@@ -96,10 +101,8 @@ def _clone(folder: Path) -> Path:
     return folder
 
 
-def _campaign(
-    clone: Path, minutes: float, cores: int, every: float
-) -> tuple[list[Sample], int, int | None]:
-    """Run it and look at it; what was seen, records made, and a status where it ended early."""
+def _campaign(clone: Path, cores: int, seconds: float, every: float) -> list[Sample]:
+    """Run it, look at it for so long, and end it."""
     environment = os.environ | {"PYTHONPATH": str(clone)}
     for task in load_configuration("paper").budget.tasks:  # compile before anything is looked at
         first = f"run --task {task} --method neat --population 4 --generations 2 --quiet --output"
@@ -112,18 +115,23 @@ def _campaign(
     workflow = subprocess.Popen(
         [sys.executable, *command.split()], cwd=clone, env=environment, start_new_session=True
     )
-    samples: list[Sample] = []
-    end = time.monotonic() + minutes * 60
     try:
-        while time.monotonic() < end and workflow.poll() is None:
-            samples.extend(_look(psutil.Process(workflow.pid)))
-            time.sleep(every)
-        status = workflow.poll()
+        return _watch(psutil.Process(workflow.pid), seconds, every)
     finally:
         if workflow.poll() is None:
             os.killpg(workflow.pid, signal.SIGTERM)
             workflow.wait()
-    return samples, len(list((clone / "results" / "soak").rglob("seeds_*.parquet"))), status
+
+
+def _watch(workflow: psutil.Process, seconds: float, every: float) -> list[Sample]:
+    """Look at a workflow and its jobs for so long, or until it ends."""
+    samples: list[Sample] = []
+    end = time.monotonic() + seconds
+    with contextlib.suppress(psutil.NoSuchProcess):
+        while time.monotonic() < end and workflow.status() != psutil.STATUS_ZOMBIE:
+            samples.extend(_look(workflow))
+            time.sleep(every)
+    return samples
 
 
 def _look(parent: psutil.Process) -> Iterator[Sample]:
@@ -134,6 +142,7 @@ def _look(parent: psutil.Process) -> Iterator[Sample]:
                 yield Sample(
                     kind=_kind(process.cmdline()),
                     process=(process.pid, process.create_time()),
+                    time=time.time(),
                     age=time.time() - process.create_time(),
                     memory=process.memory_info().rss / MIB,
                     threads=process.num_threads(),
@@ -144,11 +153,10 @@ def _look(parent: psutil.Process) -> Iterator[Sample]:
 
 
 def _kind(command: list[str]) -> str:
+    if "bash" in command[0]:
+        return "shell"
     words = " ".join(command)
-    for kind in ("snakemake", "neol run"):
-        if f"-m {kind}" in words:
-            return kind if "bash" not in command[0] else "shell"
-    return "other"
+    return next((kind for kind in ("neol run", "snakemake") if kind in words), "other")
 
 
 def _report(samples: list[Sample]) -> bool:
