@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from neol.errors import UserError
-from neol.files import read_bounded, sha256, write_atomically
+from neol.files import folder, read_bounded, sha256, write_atomically
 
 
 def test_written_is_read(tmp_path: Path) -> None:
@@ -81,3 +81,9 @@ def test_too_large_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"four")
     with pytest.raises(UserError, match="larger than 3 bytes"):
         read_bounded(tmp_path / "a", 3)
+
+
+def test_a_folder_has_a_name() -> None:
+    assert folder("a/b") == folder(Path("a/b")) == Path("a/b")
+    with pytest.raises(UserError, match=r"^5: no name of a folder; papermill"):
+        folder(5)

@@ -22,10 +22,11 @@ from hypothesis import strategies as st
 from neol import checkpoint, manifest, spec
 from neol.analysis.claims import CLAIMS, load_claims
 from neol.checkpoint import Cost
+from neol.columns import SCHEMA
 from neol.errors import UserError
 from neol.files import folder
 from neol.plain_yaml import parse_yaml
-from neol.records import SCHEMA, read_record, read_spec
+from neol.records import read_record, read_spec
 from neol.spec import CONFIG, ROOT, load_configuration
 from neol.trace import trace
 from neol.verify import Verification
