@@ -13,7 +13,8 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
 - undecided otherwise, and where a cell is not in the budget, lacks seeds (or one does that it was
   chosen among), or has fewer than 5. A claim of no significant difference is about the two-sided
   test, and no fewer seeds than the paper's 30 bear it out. Fewer generations than the paper's 500
-  contradict no level that more could still reach; comparisons they do, at this budget.
+  contradict no level that more could still reach; comparisons they do, at this budget. But tasks
+  of different numbers of generations are not compared with each other.
 
 Claims overlap: several rest on the same runs and comparisons, so their numbers are no count of
 independent findings.
@@ -52,6 +53,7 @@ from neol.spec import ROOT
 CLAIMS = ROOT / "paper" / "claims.yaml"
 LEAST_SEEDS = 5
 SEEDS_MISSING = "seeds are missing"
+UNEQUAL_TASKS = "tasks of different numbers of generations"
 
 Test = Annotated[
     Compare | Significant | Rank | Gain | Level | Share | Trend | Peak | Sensitivity,
@@ -160,6 +162,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         return Finding(part, "undecided", SEEDS_MISSING if missing else "not in this budget")
     samples = [outcomes.values(cell, part.metric) for cell in cells]
     seeds = min(map(len, samples))
+    generations = {outcomes.budget.generations_of(cell.task) for cell in cells}
     if any(np.isnan(outcomes.values(each, part.metric)).any() for each in (*cells, *part.among)):
         return Finding(part, "undecided", "a run has no value", seeds=seeds)
     if seeds < 2:
@@ -192,7 +195,9 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         verdict, reason = "undecided", SEEDS_MISSING
     elif seeds < LEAST_SEEDS:
         verdict, reason = "undecided", f"fewer than {LEAST_SEEDS} seeds"
-    elif wrong and part.grows and outcomes.generations(cells) < PAPER_GENERATIONS:
+    elif len(generations) > 1:
+        verdict, reason = "undecided", UNEQUAL_TASKS
+    elif wrong and part.grows and min(generations) < PAPER_GENERATIONS:
         verdict, reason = "undecided", f"fewer than {PAPER_GENERATIONS} generations"
     needed = float(np.maximum(needed, LEAST_SEEDS))
     return Finding(part, verdict, reason, effect, low, high, p, seeds, needed)

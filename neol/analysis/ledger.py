@@ -27,6 +27,7 @@ def as_table(decisions: Sequence[Decision]) -> pd.DataFrame:
                 "verdict": decision.verdict,
                 "part": finding.part.label,
                 "part_verdict": finding.verdict,
+                "decisive": finding is decision.decisive,
                 "reason": finding.reason,
                 "effect": finding.effect,
                 "low": finding.low,

@@ -62,10 +62,6 @@ class Outcomes:
         """How many of its seeds a cell lacks."""
         return self.budget.seeds - len(self._by_cell.get(cell, ()))
 
-    def generations(self, cells: Iterable[Cell]) -> int:
-        """The fewest that runs of some cells have."""
-        return min(self.budget.generations_of(cell.task) for cell in cells)
-
     def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:
         """All cells of a task and some methods."""
         return [cell for cell in self.cells if cell.task == task and cell.method in methods]

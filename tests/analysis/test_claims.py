@@ -32,7 +32,7 @@ def around(mean: float, factor: float = 1.0) -> list[float]:
     return [mean + factor * each for each in NOISE]
 
 
-def outcomes(values: Values, seeds: int = 8, generations: int = 500) -> Outcomes:
+def outcomes(values: Values, seeds: int = 8, generations: int | dict[str, int] = 500) -> Outcomes:
     """All metrics have the same values; every setting chooses among a method's cells."""
     rows = [
         (each.task, each.method, each.population, each.learning_rate, seed, *[value] * len(METRICS))
@@ -61,7 +61,9 @@ def claim(**test: Any) -> Claim:
     return Claim.model_validate(yaml.safe_load(content), strict=False)
 
 
-def decision(values: Values, *, seeds: int = 8, generations: int = 500, **test: Any) -> Decision:
+def decision(
+    values: Values, *, seeds: int = 8, generations: int | dict[str, int] = 500, **test: Any
+) -> Decision:
     return decide(claim(**test), outcomes(values, seeds, generations))
 
 
@@ -255,6 +257,10 @@ def test_larger_gain_is_relative() -> None:
     assert finding.verdict == "supported"
     negative = {cell("bcm"): around(-10), cell("neat"): around(-20)}
     assert decision(values | negative, **test).findings[0].effect == pytest.approx(0.5 - 0.2)
+    (unequal,) = decision(values, generations={"hopper": 8, "cartpole": 100}, **test).findings
+    assert unequal.effect == finding.effect
+    assert unequal.verdict == "undecided"
+    assert unequal.reason == "tasks of different numbers of generations"
 
 
 class TestLevel:
@@ -434,6 +440,7 @@ class TestLedger:
         assert "not in this budget" not in reasons
         table = as_table(decisions)
         assert set(table["claim"]) == {each.id for each in claims}
+        assert list(table[table["decisive"]]["claim"]) == [each.id for each in claims]
         page, latex = (
             as_markdown(decisions, "Budget made up."),
             as_latex(decisions, "Budget made up."),
