@@ -66,7 +66,8 @@ if TYPE_CHECKING:
     from neol.champions.player import Player, load_champion
     from neol.errors import UserError
     from neol.explore.runs import table_of_runs
-    from neol.records import Record, read_record, write_record
+    from neol.record import Record
+    from neol.records import read_record, write_record
     from neol.rules import rule
     from neol.run import evolve
     from neol.spec import Configuration, RunSpec, load_configuration
@@ -75,7 +76,8 @@ _MODULES = {
     "neol.champions.player": ("Player", "load_champion"),
     "neol.errors": ("UserError",),
     "neol.explore.runs": ("table_of_runs",),
-    "neol.records": ("Record", "read_record", "write_record"),
+    "neol.record": ("Record",),
+    "neol.records": ("read_record", "write_record"),
     "neol.rules": ("rule",),
     "neol.run": ("evolve",),
     "neol.spec": ("Configuration", "RunSpec", "load_configuration"),

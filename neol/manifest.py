@@ -13,8 +13,9 @@ from neol.complaint import one_line
 from neol.errors import UserError
 from neol.files import read_bounded, write_atomically
 from neol.model import Model
+from neol.record import Record
 from neol.records import MAX_BYTES as MAX_RECORD_BYTES
-from neol.records import Record, parse_record
+from neol.records import parse_record
 
 NAME = "manifest.json"
 MAX_BYTES = 2**26
@@ -49,7 +50,7 @@ class Entry(Model):
         return cls(
             path=path,
             sha256=hashlib.sha256(content).hexdigest(),
-            spec_digest=record.spec_digest,
+            spec_digest=record.spec.digest(),
             seeds=tuple(info.seed for info in record.seeds),
             commits=tuple(sorted({info.provenance.code() for info in record.seeds})),
         )

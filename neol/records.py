@@ -1,159 +1,32 @@
-"""Records: what a block of a cell's runs leaves behind, a Parquet file that vouches for itself.
+"""Records as files: Parquet that vouches for itself.
 
 Rows are generations, one per seed. The file's metadata hold, under the key "neol", a JSON of class
-`Metadata`, and under "neol_digest" the SHA-256 over that JSON and all columns. `python -m
-neol.records` prints the table of columns that stands in docs/records.md.
+`Metadata`, and under "neol_digest" the SHA-256 over that JSON and all columns.
 """
 
 import hashlib
 import io
-import json
-import statistics
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pydantic_core
 from pydantic import ValidationError
 
+from neol.columns import SCHEMA, column_values
 from neol.complaint import one_line
 from neol.errors import UserError
-from neol.evolution import COLUMNS, Generation
 from neol.files import open_regular, read_bounded, write_atomically
 from neol.model import Model
 from neol.neat.check import check_genome
-from neol.neat.genome import CONNECTION, NODE, Genome
-from neol.provenance import Provenance
-from neol.spec import RunSpec
+from neol.record import Record, SeedInfo
+from neol.spec import RunSpec, canonical_json
 
 SCHEMA_VERSION = 1
 MAX_BYTES = 2**28
 MAX_ROWS = 10_000_000
-
-# --- Columns ------------------------------------------------------------------------------------
-
-# column: (unit, meaning); the types are those of `Generation`.
-DOCUMENTATION = {
-    "seed": ("", "The run's seed."),
-    "generation": ("", "From 1."),
-    "best_fitness": ("return", "Highest fitness of the population: mean return over N episodes."),
-    "mean_fitness": ("return", "Mean fitness of the population."),
-    "sd_fitness": ("return", "Standard deviation of the population's fitness (ddof = 0)."),
-    "evaluations": ("genomes", "Genomes evaluated so far in the run."),
-    "env_steps": ("steps", "Environment steps so far in the run, held-out episodes left out."),
-    "species": ("species", "Number of species."),
-    "nodes_mean": ("nodes", "Mean number of a genome's hidden and output nodes."),
-    "connections_mean": ("connections", "Mean number of a genome's enabled connections."),
-    "nodes_best": ("nodes", "Hidden and output nodes of the best genome."),
-    "connections_best": ("connections", "Enabled connections of the best genome."),
-    "weight_change_mean": (
-        "weight",
-        "Mean \\|w after - w before\\| of an evaluation, over all connections of the population.",
-    ),
-    "failed_evaluations": (
-        "genomes",
-        "Evaluations so far that met an observation, reward or weight that was not finite.",
-    ),
-}
-_INTEGERS = {"seed"} | {column.name for column in fields(Generation) if column.type is int}
-SCHEMA = pa.schema(
-    [
-        pa.field(
-            name,
-            pa.int64() if name in _INTEGERS else pa.float64(),
-            nullable=False,
-            metadata={"unit": unit, "meaning": meaning},
-        )
-        for name, (unit, meaning) in DOCUMENTATION.items()
-    ]
-)
-
-
-def describe_columns() -> str:
-    """The columns as a Markdown table."""
-    rows = [
-        f"| `{field.name}` | {field.type} | {DOCUMENTATION[field.name][0] or '-'} "
-        f"| {DOCUMENTATION[field.name][1]} |"
-        for field in SCHEMA
-    ]
-    return "\n".join(["| column | type | unit | meaning |", "| --- | --- | --- | --- |", *rows])
-
-
-# --- Metadata -----------------------------------------------------------------------------------
-
-
-class Champion(Model):
-    """The best genome of the final population; its weights are learned ones with write-back."""
-
-    id: int
-    fitness: float
-    nodes: tuple[tuple[int, float], ...]
-    """(id, bias), outputs first."""
-    connections: tuple[tuple[int, int, int, float, bool], ...]
-    """(innovation, source, target, weight, enabled)."""
-
-    @classmethod
-    def of(cls, genome: Genome) -> Self:
-        """The stored form of a genome; all floats exact."""
-        return cls(
-            id=genome.id,
-            fitness=genome.fitness,
-            nodes=tuple(genome.nodes.tolist()),
-            connections=tuple(genome.connections.tolist()),
-        )
-
-    def genome(self) -> Genome:
-        """The genome, bit for bit."""
-        return Genome(
-            self.id,
-            np.array(list(self.nodes), dtype=NODE),
-            np.array(list(self.connections), dtype=CONNECTION),
-            self.fitness,
-        )
-
-
-class HeldOut(Model):
-    """The champion's returns in fresh episodes."""
-
-    returns: tuple[float | None, ...]
-    """Null where an episode failed."""
-    mean: float | None
-    """Over the episodes that did not fail."""
-    sd: float | None
-    """Of the same (ddof = 1); null with fewer than two."""
-
-    @classmethod
-    def of(cls, returns: npt.NDArray[np.float64]) -> Self:
-        """The stored form of returns, float64[episodes], NaN where an episode failed."""
-        finite = returns[np.isfinite(returns)].tolist()
-        return cls(
-            returns=tuple(value if np.isfinite(value) else None for value in returns.tolist()),
-            mean=statistics.fmean(finite) if finite else None,
-            sd=statistics.stdev(finite) if len(finite) > 1 else None,
-        )
-
-
-class SeedInfo(Model):
-    """What a record knows of one run beside its rows."""
-
-    seed: int
-    digest: str
-    """Of the trajectory: every generation's networks, returns and steps; no time, no host."""
-    inputs: int
-    outputs: int
-    champion: Champion
-    held_out: HeldOut
-    engine: str
-    """Which engine played the episodes; all return the same bits."""
-    wall_seconds: float
-    cpu_seconds: float
-    """Of the process and its threads, not of worker processes."""
-    provenance: Provenance
 
 
 class Metadata(Model):
@@ -168,91 +41,16 @@ class Metadata(Model):
     seeds: tuple[SeedInfo, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Record:
-    """A block of runs that differ in their seeds only."""
-
-    spec: RunSpec
-    """With the seed of the first run; `spec_of` gives the others'."""
-    budget: str | None
-    """The budget that the constants come from; None for config/base.yaml alone."""
-    table: pa.Table
-    """`SCHEMA`, sorted by seed and generation."""
-    seeds: tuple[SeedInfo, ...]
-    """By seed."""
-
-    def spec_of(self, seed: int) -> RunSpec:
-        """The specification of one of the runs."""
-        return self.spec.model_copy(update={"seed": seed})
-
-    def info(self, seed: int) -> SeedInfo:
-        """What there is of one of the runs. Raises UserError for a seed that is not there."""
-        for info in self.seeds:
-            if info.seed == seed:
-                return info
-        there = ", ".join(str(info.seed) for info in self.seeds)
-        raise UserError(f"has no seed {seed}; it holds {there}")
-
-    def rows_of(self, seed: int) -> dict[str, npt.NDArray[Any]]:
-        """The columns of one of the runs, a value each generation."""
-        mine = _values(self.table, "seed") == seed
-        return {name: _values(self.table, name)[mine] for name in COLUMNS}
-
-    @property
-    def spec_digest(self) -> str:
-        """SHA-256 in hex of the specification without its seed."""
-        return _spec_digest(self.spec)
-
-
-def history_table(seed: int, history: Sequence[Generation]) -> pa.Table:
-    """A run's rows."""
-    columns = {name: [getattr(row, name) for row in history] for name in COLUMNS}
-    columns["seed"] = [seed] * len(history)
-    return pa.Table.from_arrays(
-        [_array(columns[field.name], field.type) for field in SCHEMA], schema=SCHEMA
-    )
-
-
-# pyarrow imports all of pandas in pa.array and to_numpy, which takes longer than a short run.
-
-
-def _array(values: list[float], kind: pa.DataType) -> pa.Array:
-    content = np.array(values, dtype=kind.to_pandas_dtype())
-    return pa.Array.from_buffers(kind, len(values), [None, pa.py_buffer(content)])
-
-
-def _values(table: pa.Table, column: str) -> npt.NDArray[Any]:
-    array = table[column].combine_chunks()
-    kind = np.dtype(array.type.to_pandas_dtype())
-    return np.frombuffer(array.buffers()[1], kind, len(array), array.offset * kind.itemsize)
-
-
-def join(records: Iterable[Record]) -> Record:
-    """One record of the runs of several, which share a specification and a budget."""
-    records = sorted(records, key=lambda record: record.seeds[0].seed)
-    first = records[0]
-    assert {record.spec_digest for record in records} == {first.spec_digest}
-    return Record(
-        spec=first.spec,
-        budget=first.budget,
-        table=pa.concat_tables([record.table for record in records]).combine_chunks(),
-        seeds=tuple(info for record in records for info in record.seeds),
-    )
-
-
-# --- Files --------------------------------------------------------------------------------------
-
-
 def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> None:
     """Write a record, as `write_atomically` does. Raises UserError where it cannot be written."""
     metadata = Metadata(
         schema_version=SCHEMA_VERSION,
-        spec=_without_seed(record.spec),
-        spec_digest=record.spec_digest,
+        spec=record.spec.without_seed(),
+        spec_digest=record.spec.digest(),
         budget=record.budget,
         seeds=record.seeds,
     )
-    text = _canonical(metadata.model_dump(mode="json"))
+    text = canonical_json(metadata.model_dump(mode="json"))
     buffer = io.BytesIO()
     with pq.ParquetWriter(buffer, SCHEMA, compression="zstd", use_dictionary=False) as writer:
         writer.write_table(record.table)
@@ -313,7 +111,7 @@ def read_footer(path: Path, spec: RunSpec) -> Metadata:
 
 def first_difference(stored: dict[str, Any], expected: RunSpec) -> str | None:
     """Where a stored specification differs from another (seeds aside); None where they agree."""
-    return _first_difference(stored, _without_seed(expected))
+    return _first_difference(stored, expected.without_seed())
 
 
 def _stored_spec(path: Path, text: bytes) -> dict[str, Any]:
@@ -376,10 +174,10 @@ def _validated(text: bytes, table: pa.Table) -> Record:
         pydantic_core.to_json({**metadata.spec, "seed": metadata.seeds[0].seed})
     )
     record = Record(spec, metadata.budget, table, metadata.seeds)
-    if metadata.spec_digest != record.spec_digest:
+    if metadata.spec_digest != record.spec.digest():
         raise ValueError("the specification does not match its digest")
     seeds, generations, best = (
-        _values(table, name) for name in ("seed", "generation", "best_fitness")
+        column_values(table, name) for name in ("seed", "generation", "best_fitness")
     )
     begin = 0
     for info in metadata.seeds:
@@ -406,16 +204,8 @@ def _digest(text: bytes, table: pa.Table) -> str:
     """SHA-256 in hex over the metadata's JSON and the columns, in the schema's order."""
     digest = hashlib.sha256(text)
     for name in SCHEMA.names:
-        digest.update(_values(table, name).data)
+        digest.update(column_values(table, name).data)
     return digest.hexdigest()
-
-
-def _without_seed(spec: RunSpec) -> dict[str, Any]:
-    return spec.model_dump(mode="json", exclude={"seed"})
-
-
-def _spec_digest(spec: RunSpec) -> str:
-    return hashlib.sha256(_canonical(_without_seed(spec))).hexdigest()
 
 
 def _first_difference(
@@ -431,11 +221,3 @@ def _first_difference(
             here = repr(new) if key in expected else "unknown"
             return f"{prefix}{key} is {there} there and {here} here"
     return None
-
-
-def _canonical(content: Any) -> bytes:
-    return json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
-
-
-if __name__ == "__main__":
-    print(describe_columns())

@@ -20,20 +20,13 @@ import numpy.typing as npt
 
 from neol import checkpoint as checkpoints
 from neol.checkpoint import Cost
+from neol.columns import history_table
 from neol.errors import NOTICE, UserError
 from neol.evolution import Evolution, Generation
 from neol.neat.genome import Genome
 from neol.provenance import checkout, provenance
-from neol.records import (
-    Champion,
-    HeldOut,
-    Record,
-    SeedInfo,
-    history_table,
-    join,
-    read_record,
-    write_record,
-)
+from neol.record import Champion, HeldOut, Record, SeedInfo, join
+from neol.records import read_record, write_record
 from neol.rollout import Engine, EngineChoice, make_engine
 from neol.rollout.reference import network_size
 from neol.spec import RunSpec

@@ -67,12 +67,16 @@ class RunSpec(Model):
             )
         return self
 
+    def without_seed(self) -> dict[str, Any]:
+        """What the runs of a record share, as JSON has it."""
+        return self.model_dump(mode="json", exclude={"seed"})
+
     def digest(self) -> str:
-        """SHA-256 in hex of the specification as canonical JSON."""
-        return _sha256(self.model_dump(mode="json"))
+        """SHA-256 in hex of the specification without its seed."""
+        return _sha256(self.without_seed())
 
     def trajectory_key(self) -> str:
-        """The digest without `generations`: runs that share it are prefixes of each other."""
+        """SHA-256 in hex without `generations`: runs that share it are prefixes of each other."""
         return _sha256(self.model_dump(mode="json", exclude={"generations"}))
 
 
@@ -252,9 +256,13 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
     return constants
 
 
+def canonical_json(content: Any) -> bytes:
+    """The one JSON of a content, whatever the order of its keys."""
+    return json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+
 def _sha256(content: Any) -> str:
-    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    return hashlib.sha256(canonical_json(content)).hexdigest()
 
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ from neol import manifest
 from neol.errors import UserError
 from neol.files import read_bounded
 from neol.manifest import records_below
-from neol.records import MAX_BYTES, HeldOut, Record, SeedInfo, parse_record
+from neol.record import HeldOut, Record, SeedInfo
+from neol.records import MAX_BYTES, parse_record
 from neol.spec import RunSpec
 from neol.verify_place import ManifestFolders, Places, absolute
 

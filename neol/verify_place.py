@@ -9,7 +9,8 @@ from neol import manifest, sensitivity
 from neol.campaign import RESULTS, Block, blocks, run_specs
 from neol.errors import UserError
 from neol.manifest import Entry, read_manifest
-from neol.records import Record, first_difference
+from neol.record import Record
+from neol.records import first_difference
 from neol.sensitivity import Trial
 from neol.spec import Configuration, RunSpec, budgets, load_configuration
 
@@ -119,7 +120,7 @@ class ManifestFolder:
                 yield f"budget {budget} has no record of this name"
                 return
             spec, seeds = place
-            stored = record.spec.model_dump(mode="json", exclude={"seed"})
+            stored = record.spec.without_seed()
             if difference := first_difference(stored, spec):
                 yield f"not what budget {budget} has here: {difference}"
             if entry.seeds != tuple(seeds):

@@ -17,7 +17,8 @@ from neol.errors import UserError
 from neol.evolution import COLUMNS, Evolution
 from neol.neat.population import Population
 from neol.provenance import Provenance, provenance
-from neol.records import Champion, HeldOut, Record, SeedInfo, read_record
+from neol.record import Champion, HeldOut, Record, SeedInfo
+from neol.records import read_record
 from neol.rollout import make_engine
 from neol.rollout.reference import network_size
 from neol.verify import ROUNDING, Finding

@@ -15,14 +15,14 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from neol import records
 from neol.campaign import RESULTS, Block, blocks, run_specs
 from neol.errors import UserError
 from neol.manifest import NAME, Entry, write_manifest
 from neol.provenance import Provenance
-from neol.records import HeldOut, read_record, write_record
+from neol.record import HeldOut
+from neol.records import read_record, write_record
 from neol.run import run_block
-from neol.spec import Configuration, load_configuration
+from neol.spec import Configuration, canonical_json, load_configuration
 from tests.test_records import forge
 
 Json = dict[str, Any]
@@ -243,7 +243,7 @@ def edited_spec(metadata: Json, _: Json) -> None:
 
 
 def seal_spec(metadata: Json) -> None:
-    metadata["spec_digest"] = hashlib.sha256(records._canonical(metadata["spec"])).hexdigest()
+    metadata["spec_digest"] = hashlib.sha256(canonical_json(metadata["spec"])).hexdigest()
 
 
 def edited_spec_and_digest(metadata: Json, rows: Json) -> None:

@@ -1,6 +1,5 @@
-"""Records: exact, whole or refused, and documented."""
+"""Records as files: whole or refused, and documented."""
 
-import dataclasses
 import hashlib
 import json
 import re
@@ -8,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -16,10 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neol import records
+from neol.columns import SCHEMA, describe_columns
 from neol.errors import UserError
 from neol.evolution import COLUMNS
-from neol.neat.genome import CONNECTION, NODE, Genome
-from neol.records import Champion, HeldOut, Record, read_record, write_record
+from neol.record import Record, SeedInfo, join
+from neol.records import read_record, write_record
 from neol.rollout.reference import ReferenceEngine
 from neol.run import _record_of, run_seed
 from neol.spec import ROOT, RunSpec
@@ -37,7 +36,7 @@ def record() -> Record:
     seeds = [SPEC.model_copy(update={"seed": seed}) for seed in (0, 4)]
     made = [_record_of(run_seed(spec, engine), "smoke") for spec in seeds]
     engine.close()
-    return records.join(reversed(made))
+    return join(reversed(made))
 
 
 @pytest.fixture(scope="module")
@@ -71,15 +70,15 @@ def test_read_is_what_was_written(path: Path, record: Record) -> None:
 
 
 def test_columns_are_documented(path: Path) -> None:
-    assert records.SCHEMA.names == ["seed", *COLUMNS]
+    assert SCHEMA.names == ["seed", *COLUMNS]
     stored = pq.read_schema(path)
     assert stored.field("env_steps").metadata[b"unit"] == b"steps"
-    assert records.describe_columns() in (ROOT / "docs" / "records.md").read_text()
+    assert describe_columns() in (ROOT / "docs" / "records.md").read_text()
 
 
 def test_metadata_are_documented() -> None:
     text = (ROOT / "docs" / "records.md").read_text()
-    for model in (records.Metadata, records.SeedInfo):
+    for model in (records.Metadata, SeedInfo):
         for name in model.model_fields:
             assert f"`{name}`" in text
 
@@ -90,40 +89,6 @@ def test_time_and_host_are_in_no_trajectory_digest(record: Record) -> None:
     engine.close()
     assert again.digest == record.seeds[0].digest
     assert again.cost.wall_seconds != record.seeds[0].wall_seconds
-
-
-floats = st.floats(allow_nan=False, allow_infinity=False)
-
-
-@given(
-    weights=st.lists(floats, min_size=1, max_size=20),
-    biases=st.lists(floats, min_size=1, max_size=5),
-    fitness=floats,
-)
-def test_champions_floats_are_exact(
-    weights: list[float], biases: list[float], fitness: float
-) -> None:
-    genome = Genome(
-        3,
-        np.array(list(enumerate(biases)), dtype=NODE),
-        np.array([(i, 0, 1, w, i % 2 == 0) for i, w in enumerate(weights)], dtype=CONNECTION),
-        fitness,
-    )
-    text = records._canonical(Champion.of(genome).model_dump(mode="json"))
-    read = Champion.model_validate_json(text).genome()
-    assert read.nodes["bias"].tobytes() == genome.nodes["bias"].tobytes()
-    assert read.connections["weight"].tobytes() == genome.connections["weight"].tobytes()
-    assert read.connections["enabled"].tolist() == genome.connections["enabled"].tolist()
-    assert (read.id, read.fitness) == (3, fitness)
-
-
-def test_held_out_mean_and_spread() -> None:
-    held_out = HeldOut.of(np.array([1.0, 2.0, np.nan, 6.0]))
-    assert held_out.returns == (1.0, 2.0, None, 6.0)
-    assert held_out.mean == 3.0
-    assert held_out.sd == pytest.approx(7**0.5)
-    assert HeldOut.of(np.array([np.nan])).mean is None
-    assert HeldOut.of(np.array([1.0])).sd is None
 
 
 # --- What is refused ----------------------------------------------------------------------------
@@ -255,7 +220,7 @@ def forge(path: Path, change: Callable[[Json, Json], None]) -> None:
     file = pq.ParquetFile(path)
     metadata, rows = json.loads(file.metadata.metadata[b"neol"]), file.read().to_pydict()
     change(metadata, rows)
-    table = pa.table(rows, schema=records.SCHEMA)
+    table = pa.table(rows, schema=SCHEMA)
     text = json.dumps(metadata, separators=(",", ":")).encode()  # of anything: also of NaN
     sealed = {"neol": text, "neol_digest": records._digest(text, table)}
     pq.write_table(table.replace_schema_metadata(sealed), path)
@@ -347,9 +312,3 @@ def test_the_digest_covers_metadata_and_rows(record: Record) -> None:
         hashlib.sha256(b"{}").hexdigest(),
     }
     assert len(digests) == 4
-
-
-def test_records_of_another_cell_do_not_join(record: Record) -> None:
-    other = dataclasses.replace(record, spec=run_spec(population=9))
-    with pytest.raises(AssertionError):
-        records.join([record, other])

@@ -15,7 +15,8 @@ from neol import checkpoint, provenance
 from neol import run as runs
 from neol.errors import UserError
 from neol.evolution import Generation
-from neol.records import Record, SeedInfo, read_record
+from neol.record import Record, SeedInfo
+from neol.records import read_record
 from neol.rollout.reference import ReferenceEngine
 from neol.run import OnGeneration, is_running, partial_folder, run_block, run_seed
 from neol.spec import RunSpec

@@ -20,7 +20,8 @@ from neol.analysis.score import samples, score
 from neol.analysis.statistics import mean_interval
 from neol.analysis.style import WIDTH, drawing, footer, styles
 from neol.errors import UserError
-from neol.records import Record, SeedInfo, join, read_record
+from neol.record import Record, SeedInfo, join
+from neol.records import read_record
 from neol.spec import RunSpec, budgets, load_configuration
 
 LETTERS = string.ascii_uppercase
@@ -66,7 +67,7 @@ def contestants(paths: Sequence[Path]) -> list[Contestant]:
 
 def differences(compared: Sequence[Contestant]) -> dict[str, list[str]]:
     """The constants that are not the same for all, each with its values."""
-    constants = [_flat(each.spec.model_dump(mode="json", exclude={"seed"})) for each in compared]
+    constants = [_flat(each.spec.without_seed()) for each in compared]
     values = {key: [str(each[key]) for each in constants] for key in constants[0]}
     return {key: each for key, each in values.items() if len(set(each)) > 1}
 
@@ -124,7 +125,7 @@ def _read(path: Path) -> Record:
     records = [read_record(each) for each in sorted(path.glob("*.parquet"))]
     if not records:
         raise UserError(f"{path}: holds no records; name a record or a folder of one cell's")
-    if len({record.spec_digest for record in records}) > 1:
+    if len({record.spec.digest() for record in records}) > 1:
         raise UserError(f"{path}: its records are of several configurations; name them one by one")
     seeds = [info.seed for record in records for info in record.seeds]
     if len(set(seeds)) < len(seeds):

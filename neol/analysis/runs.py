@@ -14,9 +14,11 @@ import pandas as pd
 from neol.analysis.score import samples, score
 from neol.analysis.statistics import Floats
 from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
+from neol.columns import SCHEMA
 from neol.errors import UserError
 from neol.files import sha256
-from neol.records import SCHEMA, Record, read_record
+from neol.record import Record
+from neol.records import read_record
 from neol.spec import Configuration
 
 
@@ -39,7 +41,7 @@ class Source:
         return cls(
             path=str(Path(results.resolve().name, below)),
             sha256=sha256(results / below),
-            spec=record.spec_digest,
+            spec=record.spec.digest(),
             runs={info.seed: info.digest for info in record.seeds},
         )
 

@@ -12,7 +12,8 @@ import numpy.typing as npt
 from neol.errors import UserError
 from neol.neat.genome import Genome, Pool, decode
 from neol.network import Networks
-from neol.records import Record, SeedInfo, read_record
+from neol.record import Record, SeedInfo
+from neol.records import read_record
 from neol.rollout import make_engine
 from neol.rollout.reference import Observer, ReferenceEngine, Step, network_size
 from neol.seeding import held_out_seeds

@@ -13,7 +13,7 @@ from neol.errors import INTERRUPTED, TERMINATED, UserError
 from neol.rules import RULES, WITHOUT_RULE
 
 if TYPE_CHECKING:
-    from neol.records import Record
+    from neol.record import Record
 
 MAX_SEEDS = 10_000
 METHODS = (*WITHOUT_RULE, *RULES)

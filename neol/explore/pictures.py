@@ -14,9 +14,9 @@ from neol.analysis.labels import method_label, task_label
 from neol.analysis.statistics import Floats, mean_interval
 from neol.analysis.style import GREY, WIDTH, drawing, styles
 from neol.champions.player import Player, Trace
+from neol.columns import DOCUMENTATION
 from neol.errors import UserError
 from neol.explore.runs import load_record
-from neol.records import DOCUMENTATION
 
 PLASTIC, FROZEN = "#0072B2", "#D55E00"
 """An episode that learns to its end, and one that stops learning."""

@@ -8,7 +8,8 @@ import pandas as pd
 from neol.champions.player import Player, load_champion
 from neol.errors import UserError
 from neol.manifest import records_below
-from neol.records import Record, read_record
+from neol.record import Record
+from neol.records import read_record
 
 
 def find_records(results: Path) -> list[str]:

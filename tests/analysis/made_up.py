@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
+from neol.columns import history_table
 from neol.evolution import Generation
 from neol.neat.genome import initial_genome
 from neol.provenance import provenance
-from neol.records import Champion, HeldOut, Record, SeedInfo, history_table, join, write_record
+from neol.record import Champion, HeldOut, Record, SeedInfo, join
+from neol.records import write_record
 from neol.sensitivity import trials
 from neol.spec import Configuration, RunSpec, load_configuration
 

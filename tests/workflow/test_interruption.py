@@ -12,7 +12,8 @@ import pytest
 
 from neol import checkpoint
 from neol.campaign import blocks, run_specs
-from neol.records import SeedInfo, read_record
+from neol.record import SeedInfo
+from neol.records import read_record
 from neol.run import checkpoint_path, finished_path, partial_folder, run_block
 from neol.spec import RunSpec, load_configuration
 from tests.test_run import result
