@@ -5,15 +5,10 @@ the one in progress; at the end `<output>` takes its place.
 """
 
 import contextlib
-import fcntl
-import os
-import shutil
-import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 import numpy.typing as npt
@@ -21,9 +16,10 @@ import numpy.typing as npt
 from neol import checkpoint as checkpoints
 from neol.checkpoint import Cost
 from neol.columns import history_table
-from neol.errors import NOTICE, UserError
+from neol.errors import UserError
 from neol.evolution import Evolution, Generation
 from neol.neat.genome import Genome
+from neol.partial import checkpoint_path, claim, finished_path
 from neol.provenance import checkout, provenance
 from neol.record import Champion, HeldOut, Record, SeedInfo, join
 from neol.records import read_record, write_record
@@ -135,7 +131,7 @@ def run_block(
         if not resume:
             raise UserError(f"{output}: exists already; remove it or choose another output")
         _same_seeds(read_record(output, spec), seeds, output)
-    with _claim(output, wait=resume) as partial:
+    with claim(output, wait=resume) as partial:
         if any(partial.glob("seed_*")) and not resume:
             raise UserError(
                 f"{partial}: holds an interrupted run; go on with --resume, or remove it"
@@ -180,21 +176,6 @@ def evolve(
         specs = [spec.model_copy(update={"seed": seed}) for seed in seeds]
         results = [run_seed(each, player, on_generation=on_generation) for each in specs]
     return join([_record_of(result, budget=None) for result in results])
-
-
-def partial_folder(output: Path) -> Path:
-    """Where a block keeps what it has until its output is complete."""
-    return output.with_name(f"{output.name}.partial")
-
-
-def finished_path(partial: Path, seed: int) -> Path:
-    """Where the record of a finished seed lies."""
-    return partial / f"seed_{seed:06}.parquet"
-
-
-def checkpoint_path(partial: Path, seed: int) -> Path:
-    """Where the checkpoint of a seed that is under way lies."""
-    return finished_path(partial, seed).with_suffix(".npz")
 
 
 def _seed_record(
@@ -266,69 +247,3 @@ def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:
             "remove it or choose another output"
         )
     return record
-
-
-@contextlib.contextmanager
-def _claim(output: Path, *, wait: bool) -> Iterator[Path]:
-    """Make the folder beside an output and hold it against other processes.
-
-    It goes with the claim where it holds no work, or the output is complete.
-    """
-    partial = partial_folder(output)
-    lock = partial / "lock"
-    while True:
-        try:
-            partial.mkdir(parents=True, exist_ok=True)
-            file = lock.open("w")
-        except OSError as error:
-            raise UserError(
-                f"{partial}: cannot be made ({error.strerror}); choose another output"
-            ) from None
-        with file:
-            _lock(file, partial, wait)
-            if not _is(file, lock):
-                continue  # the process that held it has removed it
-            try:
-                yield partial
-            finally:
-                if output.exists() or not any(partial.glob("seed_*")):
-                    shutil.rmtree(partial, ignore_errors=True)
-            return
-
-
-def _lock(file: IO[str], partial: Path, wait: bool) -> None:
-    """Lock a file. The lock is the kernel's: it ends with the process, whatever ends that."""
-    for _ in range(4):  # `is_running` holds it for an instant
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            time.sleep(0.05)
-        except OSError:
-            return  # a file system without locks
-        else:
-            return
-    line = f"{partial}: another process is running this"
-    if not wait:
-        raise UserError(f"{line}; wait for it or choose another output")
-    print(f"{NOTICE}{line}; waiting for it", file=sys.stderr, flush=True)
-    fcntl.flock(file, fcntl.LOCK_EX)
-
-
-def _is(file: IO[str], path: Path) -> bool:
-    """Whether a path still leads to an open file."""
-    try:
-        return os.path.samestat(os.fstat(file.fileno()), path.stat())
-    except FileNotFoundError:
-        return False
-
-
-def is_running(partial: Path) -> bool:
-    """Whether a process holds a block's folder; one that works where locks are missing does not."""
-    try:
-        with (partial / "lock").open() as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    return False

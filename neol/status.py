@@ -17,8 +17,8 @@ from neol import checkpoint
 from neol.cost import run_seconds
 from neol.errors import INTERRUPTED, NOTICE, TERMINATED, UserError
 from neol.jobs import SENSITIVITY, Job, jobs
+from neol.partial import checkpoint_path, finished_path, is_running, partial_folder
 from neol.records import read_footer
-from neol.run import checkpoint_path, finished_path, is_running, partial_folder
 from neol.spec import Configuration, RunSpec
 
 State = Literal["done", "running", "interrupted", "failed", "missing"]

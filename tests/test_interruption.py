@@ -21,7 +21,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-from neol import run as runs
+from neol import partial
 from neol.cli import app
 from neol.evolution import Evolution
 from neol.records import read_record
@@ -243,7 +243,7 @@ def test_terminated_when_all_is_done_is_done(monkeypatch: pytest.MonkeyPatch) ->
     def stopped(*_arguments: object, **_options: object) -> NoReturn:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runs.shutil, "rmtree", stopped)
+    monkeypatch.setattr(partial.shutil, "rmtree", stopped)
     assert neol(SHORT).exit_code == 0
     monkeypatch.undo()
 

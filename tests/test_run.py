@@ -1,8 +1,6 @@
 """Runs and blocks: whatever interrupts them, the record is that of an undisturbed run."""
 
 import dataclasses
-import fcntl
-import time
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,7 +16,7 @@ from neol.evolution import Generation
 from neol.record import Record, SeedInfo
 from neol.records import read_record
 from neol.rollout.reference import ReferenceEngine
-from neol.run import OnGeneration, is_running, partial_folder, run_block, run_seed
+from neol.run import OnGeneration, run_block, run_seed
 from neol.spec import RunSpec
 from tests import troubled
 from tests.test_evolution import evolve, run_spec
@@ -191,16 +189,6 @@ def test_a_block_killed_before_it_could_clean_up(tmp_path: Path) -> None:
     assert names(tmp_path) == ["run.parquet"]
 
 
-def test_two_processes_do_not_run_the_same_block(tmp_path: Path) -> None:
-    partial = tmp_path / "run.parquet.partial"
-    partial.mkdir()
-    with (partial / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        with pytest.raises(UserError, match="another process is running this"):
-            block(tmp_path / "run.parquet")
-    assert block(tmp_path / "run.parquet").seeds[0].seed == 0
-
-
 def test_an_impossible_output_is_said_before_simulating(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     for output in (tmp_path / "file" / "run.parquet", Path("/proc/neol/run.parquet")):
@@ -321,32 +309,3 @@ def test_engine_and_workers_show_in_no_record(tmp_path: Path) -> None:
         for engine, workers in (("reference", 1), ("reference", 2), ("auto", 1), ("auto", 2))
     ]
     assert [result(record) for record in records[1:]] == [result(records[0])] * 3
-
-
-def test_a_block_is_running_while_a_process_holds_its_folder(tmp_path: Path) -> None:
-    partial = partial_folder(tmp_path / "run.parquet")
-    seen: list[bool] = []
-    assert not is_running(partial)
-    with pytest.raises(KeyboardInterrupt):
-        block(
-            tmp_path / "run.parquet",
-            on_generation=lambda seed, done: (
-                seen.append(is_running(partial)),
-                killer(1, 2, KeyboardInterrupt)(seed, done),
-            ),
-        )
-    assert seen == [True] * 6
-    assert names(partial) == ["lock", "seed_000000.parquet", "seed_000001.npz"]
-    assert not is_running(partial)
-
-
-def test_looking_whether_a_block_is_running_keeps_none_from_starting(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    partial = partial_folder(tmp_path / "run.parquet")
-    partial.mkdir()
-    with (partial / "lock").open("w") as looker:
-        fcntl.flock(looker, fcntl.LOCK_SH)
-        monkeypatch.setattr(time, "sleep", lambda _: fcntl.flock(looker, fcntl.LOCK_UN))
-        block(tmp_path / "run.parquet", seeds=(0,))
-    assert names(tmp_path) == ["run.parquet"]

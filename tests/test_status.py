@@ -13,9 +13,10 @@ from neol.cli import app
 from neol.cli import status as command
 from neol.cost import run_seconds
 from neol.jobs import Job
+from neol.partial import finished_path, partial_folder
 from neol.record import join
 from neol.records import write_record
-from neol.run import finished_path, partial_folder, run_block
+from neol.run import run_block
 from neol.status import BASES, Folder, Row, Standing, Status
 from tests.analysis import made_up
 from tests.test_run import killer

@@ -143,7 +143,7 @@ def parse_seeds(text: str) -> list[int]:
 def _says_how_to_go_on(output: Path) -> Iterator[None]:
     """Make SIGTERM and Ctrl-C end the run in one line that says how to go on."""
     from neol.interruption import Terminated, interruptible
-    from neol.run import partial_folder
+    from neol.partial import partial_folder
 
     try:
         with interruptible():

@@ -5,6 +5,7 @@ by `NEOL_CLUSTER=whole pytest tests/cluster`.
 """
 
 import importlib.util
+import itertools
 import os
 import shutil
 import subprocess
@@ -20,9 +21,10 @@ import yaml
 from neol.campaign import Block, blocks, run_specs
 from neol.checkpoint import load
 from neol.errors import UserError
+from neol.partial import partial_folder
 from neol.records import read_record
 from neol.rollout import make_engine
-from neol.run import partial_folder, run_seed
+from neol.run import run_seed
 from neol.spec import ROOT, Configuration, load_configuration
 from tests.cluster.slurm import missing, slurm
 from tests.workflow.clone import fresh_clone
@@ -39,12 +41,12 @@ pytestmark = [
 LONG = [
     "budget.tasks=[lunar_lander]",
     "budget.methods=[neat]",
-    "budget.populations=[40, 50]",
+    "budget.populations=[50]",
     "budget.seeds=1",
-    f"budget.generations={1000 if WHOLE else 300}",
+    f"budget.generations={2000 if WHOLE else 200}",
     "tasks.lunar_lander.max_steps=1000",
 ]
-"""Changes that make of the smoke budget two runs, long enough to be ended in the middle."""
+"""Changes that make of the smoke budget one run, long enough to be ended in the middle."""
 
 SMOKE = load_configuration("smoke")
 Environment = dict[str, str]
@@ -100,10 +102,11 @@ def different(clone: Path, configuration: Configuration, some: list[Block]) -> l
 
 
 def sample() -> list[Block]:
-    """A block of each task and of each method."""
-    chosen = {block.cell.task: block for block in reversed(blocks(SMOKE))}
-    chosen |= {block.cell.method: block for block in reversed(blocks(SMOKE))}
-    return list(dict.fromkeys(chosen.values()))
+    """A block of each method; all tasks are among them."""
+    wanted = list(zip(SMOKE.budget.methods, itertools.cycle(SMOKE.budget.tasks), strict=False))
+    chosen = {(block.cell.method, block.cell.task): block for block in blocks(SMOKE)}
+    assert {task for _, task in wanted} == set(SMOKE.budget.tasks)
+    return [chosen[each] for each in wanted]
 
 
 def test_a_campaign_has_the_same_digests_as_here(clone: Path, cluster: Environment) -> None:

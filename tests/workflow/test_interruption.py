@@ -12,9 +12,10 @@ import pytest
 
 from neol import checkpoint
 from neol.campaign import blocks, run_specs
+from neol.partial import checkpoint_path, finished_path, partial_folder
 from neol.record import SeedInfo
 from neol.records import read_record
-from neol.run import checkpoint_path, finished_path, partial_folder, run_block
+from neol.run import run_block
 from neol.spec import RunSpec, load_configuration
 from tests.test_run import result
 from tests.workflow.clone import fresh_clone, snakemake
