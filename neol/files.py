@@ -5,6 +5,7 @@ import hashlib
 import os
 import secrets
 import stat
+from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 
@@ -79,6 +80,22 @@ def sha256(path: Path) -> str:
     """SHA-256 in hex of a file's content. Raises UserError where there is none."""
     with open_regular(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def files_below(folder: Path, pattern: str, above: tuple[Path, ...] = ()) -> Iterator[Path]:
+    """What lies in a folder or below it under a name like `*.parquet`; links are followed.
+
+    A link to one of the folders `above` it would lead around for ever and is not. Raises OSError
+    for a folder that cannot be read.
+    """
+    here = folder.resolve()
+    if here in above:
+        return
+    for path in sorted(folder.iterdir()):
+        if path.match(pattern):
+            yield path
+        if path.is_dir():
+            yield from files_below(path, pattern, (*above, here))
 
 
 def _without_blocking(path: str, flags: int) -> int:

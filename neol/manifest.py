@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from neol.complaint import one_line
 from neol.errors import UserError
-from neol.files import read_bounded, write_atomically
+from neol.files import files_below, read_bounded, write_atomically
 from neol.model import Model
 from neol.record import Record
 from neol.records import MAX_BYTES as MAX_RECORD_BYTES
@@ -68,7 +68,7 @@ class Manifest(Model):
 
 def records_below(folder: Path) -> Iterator[Path]:
     """The records in a folder and those below it, sorted; work in progress left out."""
-    for path in sorted(folder.rglob("*.parquet"), key=Path.as_posix):
+    for path in sorted(files_below(folder, "*.parquet"), key=Path.as_posix):
         if not any(part.endswith(".partial") for part in path.relative_to(folder).parts[:-1]):
             yield path
 

@@ -7,7 +7,6 @@ What a budget has in a folder with a manifest is listed once and takes longer.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +15,12 @@ import numpy as np
 from neol import manifest
 from neol.errors import UserError
 from neol.files import read_bounded
+from neol.jobs import SENSITIVITY
 from neol.manifest import records_below
 from neol.record import HeldOut, Record, SeedInfo
 from neol.records import MAX_BYTES, parse_record
 from neol.spec import RunSpec
-from neol.verify_place import ManifestFolders, Places, absolute
+from neol.verify_place import Budgets, ManifestFolders, absolute
 
 ROUNDING = 1e-9
 """Relative: what is smaller may come from adding up in another order."""
@@ -74,7 +74,8 @@ class Verification:
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._roots = {absolute(path): path for path in paths}
-        self._folders = ManifestFolders()
+        self._budgets = Budgets()
+        self._folders = ManifestFolders(self._budgets)
         records: dict[Path, None] = {}
         for root, path in self._roots.items():
             if not path.exists():
@@ -85,7 +86,6 @@ class Verification:
             records |= dict.fromkeys(below)
         self.records = list(records)
         """Their absolute paths, each once."""
-        self._places = cache(Places)
         self._found: dict[str, set[str]] = {}
 
     def check(self) -> Iterator[Checked]:
@@ -106,7 +106,7 @@ class Verification:
     def notes(self) -> Iterator[str]:
         """After the check: how much of its budgets is there, and what no manifest vouches for."""
         for budget, found in self._found.items():
-            all_of_it = len(self._places(budget).blocks)
+            all_of_it = len(self._budgets.cells(budget))
             yield f"{len(found):,} of {all_of_it:,} records of budget {budget}"
         if loose := sum(self._folders.above(path) is None for path in self.records):
             yield f"{loose:,} in no {manifest.NAME} (neol manifest FOLDER writes one)"
@@ -123,10 +123,11 @@ class Verification:
             problems = folder.problems(path, content, record)
             findings += [Finding(shown, problem) for problem in problems]
         if record.budget is not None:
-            blocks = self._places(record.budget).blocks
-            tails = ("/".join(path.parts[first:]) for first in range(1, len(path.parts)))
-            for name in blocks.keys() & set(tails):
-                self._found.setdefault(record.budget, set()).add(name)
+            tails = {"/".join(path.parts[first:]) for first in range(1, len(path.parts))}
+            jobs = self._budgets.jobs(record.budget)
+            cells = {name for name in tails & jobs.keys() if jobs[name].part != SENSITIVITY}
+            if cells:
+                self._found.setdefault(record.budget, set()).update(cells)
         return Checked(shown, tuple(info.seed for info in record.seeds), tuple(findings))
 
     def _as_given(self, path: Path) -> Path:

@@ -2,17 +2,18 @@
 
 import os
 from collections.abc import Iterable, Iterator
-from functools import cache, cached_property
+from functools import cache, partial
 from pathlib import Path
 
-from neol import manifest, sensitivity
-from neol.campaign import RESULTS, Block, blocks, run_specs
+from neol import manifest
+from neol.campaign import RESULTS
 from neol.errors import UserError
+from neol.files import files_below
+from neol.jobs import SENSITIVITY, Job, jobs
 from neol.manifest import Entry, read_manifest
 from neol.record import Record
 from neol.records import first_difference
-from neol.sensitivity import Trial
-from neol.spec import Configuration, RunSpec, budgets, load_configuration
+from neol.spec import budgets, load_configuration
 
 
 def absolute(path: Path) -> Path:
@@ -20,62 +21,46 @@ def absolute(path: Path) -> Path:
     return Path(os.path.abspath(path))  # noqa: PTH100  (without following links, as resolve does)
 
 
-class Places:
-    """What a budget of `config/` has, by path below its folder; nothing for any other budget."""
+class Budgets:
+    """What the budgets of `config/` have, each listed once."""
 
-    def __init__(self, budget: str | None) -> None:
-        self.budget = budget
-        self.known = budget in budgets()
+    def __init__(self) -> None:
+        self._jobs = cache(_jobs)
 
-    @cached_property
-    def blocks(self) -> dict[str, Block]:
-        """The records of its cells."""
-        if not self.known:
-            return {}
-        return {self._below(block): block for block in blocks(self._configuration)}
+    def jobs(self, budget: str | None) -> dict[str, Job]:
+        """The records of a budget, by path below its folder; none for one that is not known."""
+        return self._jobs(budget)
 
-    def find(self, name: str) -> tuple[RunSpec, range] | None:
-        """What a record of this name is made of, and its seeds."""
-        if block := self.blocks.get(name):
-            return run_specs(self._configuration, block)[0], block.seeds
-        if trial := self._trials.get(name):
-            return trial.spec, trial.seeds
-        return None
+    def cells(self, budget: str | None) -> list[str]:
+        """Those of its cells, its sensitivity study left out."""
+        return [name for name, job in self.jobs(budget).items() if job.part != SENSITIVITY]
 
-    @cached_property
-    def _trials(self) -> dict[str, Trial]:
-        """The records of its sensitivity study, which take longer to list."""
-        return {
-            self._below(trial): trial
-            for variant in sensitivity.variants()
-            for trial in sensitivity.trials(self._configuration, variant)
-        }
 
-    @cached_property
-    def _configuration(self) -> Configuration:
-        assert self.budget is not None
-        return load_configuration(self.budget)
-
-    def _below(self, place: Block | Trial) -> str:
-        return place.record.relative_to(RESULTS / f"{self.budget}").as_posix()
+def _jobs(budget: str | None) -> dict[str, Job]:
+    if budget is None or budget not in budgets():
+        return {}
+    home = RESULTS / budget
+    every = jobs(load_configuration(budget))
+    return {job.record.relative_to(home).as_posix(): job for job in every}
 
 
 class ManifestFolder:
     """A folder with a manifest, and what should lie in it."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, budgets: Budgets) -> None:
         self.folder = folder
+        self.budget: str | None = None
         self.damage: str | None = None
         """What is wrong with the manifest itself; nothing else is then known."""
         self._entries: dict[str, Entry] = {}
-        self._places = Places(None)
+        self._budgets = budgets
         path = folder / manifest.NAME
         try:
             content = read_manifest(folder)
         except UserError as error:
             self.damage = str(error).removeprefix(f"{path}: ")
         else:
-            self._places = Places(content.budget)
+            self.budget = content.budget
             self._entries = {entry.path: entry for entry in content.records}
 
     def problems(self, path: Path, content: bytes, record: Record) -> Iterator[str]:
@@ -103,36 +88,39 @@ class ManifestFolder:
             if self.folder / name not in there:
                 meaning = f"missing, {manifest.NAME} names it; restore it or run anew"
                 yield self.folder / name, meaning
-        for name in self._places.blocks:
+        for name in self._all_or_nothing():
             if name not in self._entries and self.folder / name not in there:
                 meaning = f"missing, and {manifest.NAME} leaves it out, but budget "
-                meaning += f"{self._places.budget} has it: dropped, or not yet run by then"
+                meaning += f"{self.budget} has it: dropped, or not yet run by then"
                 yield self.folder / name, meaning
+
+    def _all_or_nothing(self) -> Iterable[str]:
+        """The records that the budget must have: a sensitivity study may be left out as a whole."""
+        jobs, cells = self._budgets.jobs(self.budget), self._budgets.cells(self.budget)
+        return jobs if self._entries.keys() & (jobs.keys() - cells) else cells
 
     def _misplaced(self, record: Record, entry: Entry) -> Iterator[str]:
         """Whether it is the record that its budget has in this place."""
-        budget = self._places.budget
-        if record.budget != budget:
-            yield f"of budget {record.budget}, its folder's is {budget}"
-        elif self._places.known:
-            place = self._places.find(entry.path)
-            if place is None:
-                yield f"budget {budget} has no record of this name"
+        jobs = self._budgets.jobs(self.budget)
+        if record.budget != self.budget:
+            yield f"of budget {record.budget}, its folder's is {self.budget}"
+        elif jobs:
+            job = jobs.get(entry.path)
+            if job is None:
+                yield f"budget {self.budget} has no record of this name"
                 return
-            spec, seeds = place
-            stored = record.spec.without_seed()
-            if difference := first_difference(stored, spec):
-                yield f"not what budget {budget} has here: {difference}"
-            if entry.seeds != tuple(seeds):
-                there = f"{seeds[0]} to {seeds[-1]}"
+            if difference := first_difference(record.spec.without_seed(), job.spec):
+                yield f"not what budget {self.budget} has here: {difference}"
+            if entry.seeds != tuple(job.seeds):
+                there = f"{job.seeds[0]} to {job.seeds[-1]}"
                 yield f"holds seeds {list(entry.seeds)}, here belong {there}"
 
 
 class ManifestFolders:
     """The folders with a manifest at, above and below absolute paths, each read once."""
 
-    def __init__(self) -> None:
-        self._folder = cache(ManifestFolder)
+    def __init__(self, budgets: Budgets) -> None:
+        self._folder = cache(partial(ManifestFolder, budgets=budgets))
 
     def above(self, path: Path) -> ManifestFolder | None:
         """The nearest above a path."""
@@ -144,5 +132,6 @@ class ManifestFolders:
     def around(self, path: Path) -> list[ManifestFolder]:
         """Those at and below a path and the nearest above it."""
         above = self.above(path)
-        below = [self._folder(each.parent) for each in sorted(path.rglob(manifest.NAME))]
+        manifests = files_below(path, manifest.NAME) if path.is_dir() else ()
+        below = [self._folder(each.parent) for each in manifests]
         return below + ([above] if above else [])

@@ -15,8 +15,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from neol.campaign import RESULTS, Block, blocks, run_specs
+from neol.campaign import RESULTS, blocks, run_specs
 from neol.errors import UserError
+from neol.jobs import Job, jobs
 from neol.manifest import NAME, Entry, write_manifest
 from neol.provenance import Provenance
 from neol.record import HeldOut
@@ -43,6 +44,7 @@ OJA, HEBB, NEAT = (
     f"cartpole/{cell}/seeds_000-002.parquet"
     for cell in ("oja/p006_lr0.25", "hebb/p006_lr0.25", "neat/p006")
 )
+TRIALS = [f"sensitivity/baseline/cartpole_{method}.parquet" for method in ("bcm", "neat")]
 
 
 def make_campaign(folder: Path) -> None:
@@ -62,14 +64,14 @@ def make_campaign(folder: Path) -> None:
 
 
 def patch_budget() -> Any:
-    """Let the budget be these three records; a context manager."""
+    """Let the budget be these three records and a study of two trials; a context manager."""
 
-    def few(configuration: Configuration) -> list[Block]:
+    def few(configuration: Configuration) -> list[Job]:
         home = RESULTS / configuration.budget.name
-        names = [home / name for name in (OJA, HEBB, NEAT)]
-        return [block for block in blocks(configuration) if block.record in names]
+        names = [home / name for name in (OJA, HEBB, NEAT, *TRIALS)]
+        return [job for job in jobs(configuration) if job.record in names]
 
-    return mock.patch("neol.verify_place.blocks", few)
+    return mock.patch("neol.verify_place.jobs", few)
 
 
 def update_manifest(folder: Path, *, add: str = "") -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from neol.errors import UserError
-from neol.files import folder, read_bounded, sha256, write_atomically
+from neol.files import files_below, folder, read_bounded, sha256, write_atomically
 
 
 def test_written_is_read(tmp_path: Path) -> None:
@@ -87,3 +87,15 @@ def test_a_folder_has_a_name() -> None:
     assert folder("a/b") == folder(Path("a/b")) == Path("a/b")
     with pytest.raises(UserError, match=r"^5: no name of a folder; papermill"):
         folder(5)
+
+
+def test_links_are_followed_but_not_around(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere" / "b").mkdir(parents=True)
+    (tmp_path / "elsewhere" / "b" / "x.parquet").touch()
+    (tmp_path / "results" / "a").mkdir(parents=True)
+    (tmp_path / "results" / "desk").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "results" / "a" / "up").symlink_to(tmp_path / "results")
+    (tmp_path / "elsewhere" / "back").symlink_to(tmp_path / "results")
+    (tmp_path / "results" / "nowhere.parquet").symlink_to(tmp_path / "gone")
+    found = [path.relative_to(tmp_path) for path in files_below(tmp_path / "results", "*.parquet")]
+    assert found == [Path("results/desk/b/x.parquet"), Path("results/nowhere.parquet")]

@@ -10,8 +10,10 @@ from typer.testing import CliRunner, Result
 
 from neol.cli import app
 from neol.errors import UserError
+from neol.jobs import jobs
 from neol.manifest import NAME, read_manifest, write_manifest
 from neol.rollout.reference import network_size
+from neol.run import run_block
 from neol.spec import load_configuration
 from neol.verify import SIZES
 from neol.verify_replay import (
@@ -29,6 +31,7 @@ from tests.planted_errors import (
     MADE_BY,
     NEAT,
     OJA,
+    TRIALS,
     Json,
     make_campaign,
     patch_budget,
@@ -173,6 +176,28 @@ def test_an_unfinished_campaign_is_no_finding_but_said(campaign: Path, tmp_path:
     assert "2 of 3 records of budget smoke, 2 in no manifest.json" in outcome.stdout
     write_manifest(tmp_path / "smoke")
     assert f"{OJA}: missing, and manifest.json leaves it out" in neol("verify", tmp_path).stdout
+
+
+def test_of_a_sensitivity_study_all_trials_are_there_or_none(
+    campaign: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "smoke"
+    shutil.copytree(campaign, folder)
+    (job,) = (j for j in jobs(load_configuration("smoke"), tmp_path) if j.record.match(TRIALS[0]))
+    run_block(job.spec, job.seeds, job.record, budget="smoke", engine="reference")
+    write_manifest(folder)
+    outcome = neol("verify", folder)
+    assert f"{folder / TRIALS[1]}: missing, and manifest.json leaves it out" in outcome.stdout
+    assert "4 records of 12 runs checked, 3 of 3 records of budget smoke: 1 finding" in (
+        outcome.stdout
+    )
+
+
+def test_linked_folders_are_checked(campaign: Path, tmp_path: Path) -> None:
+    (tmp_path / "smoke").symlink_to(campaign)
+    outcome = neol("verify", tmp_path)
+    said = "3 records of 9 runs checked, 3 of 3 records of budget smoke: all well\n"
+    assert outcome.stdout == said
 
 
 def test_what_is_found_does_not_depend_on_where_one_stands(
