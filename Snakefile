@@ -1,7 +1,8 @@
 """From a budget's runs to the paper's tables and figures: `snakemake figures/table1.tex`, `snakemake all`.
 
-`snakemake tables --config budget=desk` spends another budget and writes to figures/desk/. A run is made where its
-record is missing or was made of another specification, which the record itself tells, whatever the times of files.
+`snakemake tables --config budget=paper` spends another budget and writes to figures/paper/; with `tasks=cartpole,hopper`
+after that it spends it on these tasks and writes to figures/paper-cartpole,hopper/. A run is made where its record is
+missing or was made of another specification, which the record itself tells, whatever the times of files.
 """
 
 
@@ -22,7 +23,7 @@ localrules:
 
 
 wildcard_constraints:
-    path=".+/.+" if BUDGET == DEFAULT_BUDGET else f"(?!{BUDGET}/).+",
+    path=".+/.+" if FIGURES == "figures" else f"(?!{re.escape(LABEL)}/).+",
 
 
 rule all:
@@ -102,12 +103,12 @@ for notebook, (made, records, modules) in NOTEBOOKS.items():
             records=records,
         output:
             [captioned(path) for path in made],
-            notebook=f"build/{BUDGET}/{notebook}.ipynb",
-            page=f"build/{BUDGET}/{notebook}.html",
+            notebook=f"build/{LABEL}/{notebook}.ipynb",
+            page=f"build/{LABEL}/{notebook}.html",
         log:
-            f"logs/{BUDGET}/{notebook}.log",
+            f"logs/{LABEL}/{notebook}.log",
         benchmark:
-            f"logs/{BUDGET}/{notebook}.tsv"
+            f"logs/{LABEL}/{notebook}.tsv"
         conda:
             "environment.yml"
         threads: 1
@@ -115,10 +116,11 @@ for notebook, (made, records, modules) in NOTEBOOKS.items():
             mem_mb=1000,
         params:
             budget=BUDGET,
+            tasks=TASKS,
             output=f"../{FIGURES}",
         shell:
-            "(python -m papermill --no-progress-bar --log-output --cwd notebooks -p budget {params.budget} -p results ../results "
-            "-p output {params.output} {input.notebook} {output.notebook} && "
+            "(python -m papermill --no-progress-bar --log-output --cwd notebooks -p budget {params.budget} -p tasks '{params.tasks}' "
+            "-p results ../results -p output {params.output} {input.notebook} {output.notebook} && "
             "python -m nbconvert --to html {output.notebook}) > {log} 2>&1; "
             "(grep '^neol: ' {log} || true) >&2"
 

@@ -1,5 +1,6 @@
 """What all rules share: the budget, its runs, and what each notebook makes."""
 
+import re
 import sys
 from glob import glob
 from pathlib import Path
@@ -10,12 +11,10 @@ from neol.campaign import blocks
 from neol.cost import walltime_minutes
 from neol.errors import UserError
 from neol.jobs import jobs
-from neol.spec import budgets, load_configuration
+from neol.selection import SHOWN_BUDGET, figures_folder, label, select
+from neol.spec import budgets
 from neol.workflow import clear_stale_locks, pattern
 
-DEFAULT_BUDGET = "smoke"
-BUDGET = str(config.get("budget", DEFAULT_BUDGET))
-FIGURES = "figures" if BUDGET == DEFAULT_BUDGET else f"figures/{BUDGET}"
 TABLE, FIGURE = ("tex", "csv", "json"), ("pdf", "png", "json")
 CATEGORIES = {
     "table": "Tables",
@@ -31,14 +30,14 @@ shell.prefix(
     f"set -euo pipefail; export PATH='{Path(sys.executable).parent}':\"$PATH\"; "
 )
 
-if set(config) - {"budget"}:
-    sys.exit(
-        f"neol: --config {min(set(config) - {'budget'})}: unknown key (allowed: budget)"
-    )
+if unknown := sorted(set(config) - {"budget", "tasks"}):
+    sys.exit(f"neol: --config {unknown[0]}: unknown key (allowed: budget, tasks)")
+BUDGET, TASKS = str(config.get("budget", SHOWN_BUDGET)), str(config.get("tasks") or "")
 try:
-    CONFIGURATION = load_configuration(BUDGET)
+    CONFIGURATION = select(BUDGET, TASKS)
 except UserError as error:
     sys.exit(f"neol: {error}")
+LABEL, FIGURES = label(CONFIGURATION.budget), str(figures_folder(CONFIGURATION.budget))
 ALIVE = clear_stale_locks()
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
@@ -51,7 +50,7 @@ def job(wildcards):
     path = f"results/{wildcards.record}.parquet"
     if path not in JOBS:
         sys.exit(
-            f"neol: {path}: budget {BUDGET} has no such record, {next(iter(JOBS))} is its first"
+            f"neol: {path}: {LABEL} has no such record, {next(iter(JOBS))} is its first"
         )
     return JOBS[path]
 
@@ -89,12 +88,13 @@ def code(*, draws):
 def ask_otherwise(wildcards):
     """Refuse what another budget shows, and say what to ask for."""
     folder, _, name = wildcards.path.rpartition("/")
-    if folder in set(budgets()) - {BUDGET, DEFAULT_BUDGET}:
-        sys.exit(
-            f"neol: figures/{wildcards.path} shows budget {folder}: add --config budget={folder}"
-        )
+    other = re.fullmatch(f"({'|'.join(budgets())})(?:-(.+))?", folder)
+    if other and folder not in (LABEL, SHOWN_BUDGET):
+        budget, tasks = other.groups()
+        options = f"budget={budget}" + (f" tasks={tasks}" if tasks else "")
+        sys.exit(f"neol: figures/{wildcards.path} needs --config {options}")
     sys.exit(
-        f"neol: figures/{wildcards.path} is no figure of budget {BUDGET}: ask for {FIGURES}/{name}"
+        f"neol: figures/{wildcards.path} is no figure of {LABEL}: ask for {FIGURES}/{name}"
     )
 
 

@@ -1,12 +1,8 @@
 """What is told of the results: the page figures/report.html, and the paper paper/reproduction.pdf, which needs LaTeX."""
 
 REPORT = f"{FIGURES}/report.html"
-PAPER = (
-    "paper/reproduction.pdf"
-    if BUDGET == DEFAULT_BUDGET
-    else f"{FIGURES}/reproduction.pdf"
-)
-CHAMPIONS = f"build/{BUDGET}/champions/champions.json"
+PAPER = f"{'paper' if FIGURES == 'figures' else FIGURES}/reproduction.pdf"
+CHAMPIONS = f"build/{LABEL}/champions/champions.json"
 PICTURES = [path for path in made_by("convergence", "beyond") if path.endswith(".pdf")]
 NUMBERS = [path for path in made_by(*NOTEBOOKS) if path.endswith((".tex", ".csv"))]
 
@@ -23,9 +19,9 @@ rule showcase:
     output:
         CHAMPIONS,
     log:
-        f"logs/{BUDGET}/showcase.log",
+        f"logs/{LABEL}/showcase.log",
     benchmark:
-        f"logs/{BUDGET}/showcase.tsv"
+        f"logs/{LABEL}/showcase.tsv"
     conda:
         "../environment.yml"
     threads: 1
@@ -33,9 +29,10 @@ rule showcase:
         mem_mb=1000,
     params:
         budget=BUDGET,
+        tasks=TASKS,
         folder=lambda wildcards, output: Path(output[0]).parent,
     shell:
-        "python -m neol.report.showcase {params.budget} {params.folder} > {log} 2>&1"
+        "python -m neol.report.showcase {params.budget} --tasks '{params.tasks}' {params.folder} > {log} 2>&1"
 
 
 rule report_page:
@@ -49,9 +46,9 @@ rule report_page:
     output:
         REPORT,
     log:
-        f"logs/{BUDGET}/report.log",
+        f"logs/{LABEL}/report.log",
     benchmark:
-        f"logs/{BUDGET}/report.tsv"
+        f"logs/{LABEL}/report.tsv"
     conda:
         "../environment.yml"
     threads: 1
@@ -59,10 +56,11 @@ rule report_page:
         mem_mb=1000,
     params:
         budget=BUDGET,
+        tasks=TASKS,
         figures=lambda wildcards, output: Path(output[0]).parent,
         champions=lambda wildcards, input: Path(input.champions).parent,
     shell:
-        "python -m neol.report.page {params.budget} {params.figures} {params.champions} {output} > {log} 2>&1"
+        "python -m neol.report.page {params.budget} --tasks '{params.tasks}' {params.figures} {params.champions} {output} > {log} 2>&1"
 
 
 rule paper_numbers:
@@ -71,11 +69,11 @@ rule paper_numbers:
         metadata="pyproject.toml",
         code=["neol/report/numbers.py", "neol/report/costs.py"],
     output:
-        f"build/{BUDGET}/paper/results.tex",
+        f"build/{LABEL}/paper/results.tex",
     log:
-        f"logs/{BUDGET}/paper_numbers.log",
+        f"logs/{LABEL}/paper_numbers.log",
     benchmark:
-        f"logs/{BUDGET}/paper_numbers.tsv"
+        f"logs/{LABEL}/paper_numbers.tsv"
     conda:
         "../environment.yml"
     threads: 1
@@ -83,9 +81,10 @@ rule paper_numbers:
         mem_mb=1000,
     params:
         budget=BUDGET,
+        tasks=TASKS,
         figures=lambda wildcards, input: Path(input.shown[0]).parent,
     shell:
-        "python -m neol.report.numbers {params.budget} {params.figures} {output} > {log} 2>&1"
+        "python -m neol.report.numbers {params.budget} --tasks '{params.tasks}' {params.figures} {output} > {log} 2>&1"
 
 
 rule paper:
@@ -97,9 +96,9 @@ rule paper:
     output:
         PAPER,
     log:
-        f"logs/{BUDGET}/paper.log",
+        f"logs/{LABEL}/paper.log",
     benchmark:
-        f"logs/{BUDGET}/paper.tsv"
+        f"logs/{LABEL}/paper.tsv"
     conda:
         "../environment.yml"
     threads: 1

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from neol import spec
+from neol import selection
 from neol import status as module
 from neol.cli import app
 from neol.cli import status as command
@@ -266,7 +266,7 @@ def test_looking_changes_nothing(folder: Folder) -> None:
 def smoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Folder:
     """The folder again, of a budget of which the command knows, below the working folder."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(spec, "load_configuration", lambda _name: CONFIGURATION)
+    monkeypatch.setattr(selection, "select", lambda *_: CONFIGURATION)
     return Folder(Path("results/smoke"), CONFIGURATION)
 
 

@@ -6,6 +6,7 @@ from neol.analysis.labels import task_label
 from neol.analysis.runs import Campaign
 from neol.campaign import cells
 from neol.constants import Budget
+from neol.selection import chosen_tasks, with_tasks
 from neol.spec import Configuration, load_configuration
 
 
@@ -13,11 +14,21 @@ def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> 
     """A budget in a sentence or two, for captions that concern some of its tasks, or all."""
     budget = configuration.budget
     sentence = (
-        f"Budget {budget.name}: G = {describe_generations(budget, tasks)} generations, "
+        f"Budget {describe_name(budget)}: G = {describe_generations(budget, tasks)} generations, "
         f"{budget.seeds} seeds, {describe_episodes(configuration, tasks)}."
     )
-    is_paper = configuration == load_configuration("paper")
-    return sentence if is_paper else f"{sentence} Reduced budget: not the paper's."
+    return sentence if is_papers(configuration) else f"{sentence} Reduced budget: not the paper's."
+
+
+def describe_name(budget: Budget) -> str:
+    """Its name, and which tasks there are if not all: paper, CartPole only."""
+    tasks = " and ".join(map(task_label, chosen_tasks(budget)))
+    return f"{budget.name}, {tasks} only" if tasks else budget.name
+
+
+def is_papers(configuration: Configuration) -> bool:
+    """Whether it spends what the paper does, on whatever tasks."""
+    return configuration == with_tasks(load_configuration("paper"), configuration.budget.tasks)
 
 
 def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:

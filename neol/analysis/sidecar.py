@@ -14,6 +14,7 @@ from neol.errors import UserError
 from neol.files import read_bounded, sha256, write_atomically
 from neol.model import Model
 from neol.provenance import provenance
+from neol.selection import snakemake_options
 from neol.spec import ROOT, Configuration
 
 MAX_BYTES = 2**27
@@ -22,7 +23,7 @@ MAX_BYTES = 2**27
 def command(output: Path, configuration: Configuration) -> str:
     """What makes an output again, from the root of the checkout."""
     path = os.path.relpath(output.resolve(), ROOT)
-    return f"snakemake {path} --config budget={configuration.budget.name}"
+    return f"snakemake {path} {snakemake_options(configuration.budget)}"
 
 
 class Sidecar(Model):

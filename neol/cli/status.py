@@ -21,6 +21,9 @@ def status(
     watch: Annotated[
         bool, typer.Option("--watch", help="Go on showing it until the grid is done.")
     ] = False,
+    tasks: Annotated[
+        str, typer.Option("--tasks", help="Some of its tasks only, like cartpole,hopper.")
+    ] = "",
 ) -> None:
     """Say what of a campaign is done, running, failed or missing, and what the rest will cost.
 
@@ -32,11 +35,11 @@ def status(
     from neol.campaign import RESULTS
     from neol.cli.status_view import picture, summary
     from neol.progress import Display
-    from neol.spec import load_configuration
+    from neol.selection import select
     from neol.status import Folder, Status
 
     path = RESULTS / campaign if len(campaign.parts) == 1 else campaign
-    folder = Folder(path, load_configuration(path.name))
+    folder = Folder(path, select(path.name, tasks))
     if not path.is_dir():
         complain(f"{path} does not exist (from {Path.cwd()}), so all is missing")
     console = Console(highlight=False)

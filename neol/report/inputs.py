@@ -11,7 +11,7 @@ from neol.analysis.sidecar import Sidecar
 from neol.campaign import RESULTS
 from neol.errors import UserError
 from neol.files import read_bounded
-from neol.spec import load_configuration
+from neol.selection import select
 
 MAX_BYTES = 2**27
 
@@ -20,11 +20,13 @@ def command_line(module: str, purpose: str | None, work: Callable[..., None], **
     """Call `work` with a budget's campaign and some paths, each with its meaning, as a program."""
     parser = argparse.ArgumentParser(prog=f"python -m {module}", description=purpose)
     parser.add_argument("budget")
+    parser.add_argument("--tasks", default="", help="some of the budget's only: cartpole,hopper")
     for name, meaning in paths.items():
         parser.add_argument(name, type=Path, help=meaning)
     arguments = vars(parser.parse_args())
     try:
-        work(Campaign(load_configuration(arguments.pop("budget")), RESULTS), **arguments)
+        configuration = select(arguments.pop("budget"), arguments.pop("tasks"))
+        work(Campaign(configuration, RESULTS), **arguments)
     except UserError as error:
         print(f"neol: {error}", file=sys.stderr)
         sys.exit(2)

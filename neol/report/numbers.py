@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from neol.analysis import reference
-from neol.analysis.captions import describe_generations
+from neol.analysis.captions import describe_generations, describe_name, is_papers
 from neol.analysis.labels import task_label
 from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
@@ -20,7 +20,7 @@ from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.report.costs import costs
 from neol.report.inputs import command_line, vouched
-from neol.spec import Configuration, load_configuration
+from neol.spec import Configuration
 
 KEYS = {
     **{f"table{number}": ("task", "method") for number in (1, 2, 3, 4, 5, 6, 7, 8)},
@@ -79,13 +79,13 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
 
 def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]:
     budget = configuration.budget
-    is_paper = configuration == load_configuration("paper")
-    yield "budget/name", escape(budget.name)
+    reduced = "" if is_papers(configuration) else r"\emph{This is less than the paper's budget.}"
+    yield "budget/name", escape(describe_name(budget))
     yield "budget/generations", escape(describe_generations(budget))
     yield "budget/seeds", _number(budget.seeds)
     yield "budget/populations", ", ".join(map(_number, budget.populations))
     yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))
-    yield "budget/reduced", "" if is_paper else r"\emph{This is less than the paper's budget.}"
+    yield "budget/reduced", reduced
     yield "spec/episodes", _number(configuration.evaluation.episodes)
     yield "spec/reward_scale", _number(configuration.plasticity.reward_scale)
     for name, task in configuration.tasks.items():

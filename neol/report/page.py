@@ -30,6 +30,7 @@ from neol.provenance import provenance
 from neol.report.costs import costs
 from neol.report.inputs import command_line, read, vouched
 from neol.report.showcase import Showcase, Shown
+from neol.selection import snakemake_options
 from neol.spec import ROOT
 
 CAPTIONS = ROOT / "paper" / "captions"
@@ -83,6 +84,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     return environment.get_template("page.html.j2").render(
         project=metadata(),
         budget=configuration.budget,
+        options=snakemake_options(configuration.budget),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         made_by=provenance(),

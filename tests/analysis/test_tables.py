@@ -32,6 +32,7 @@ from neol.analysis.tables import (
     table8,
 )
 from neol.campaign import Cell
+from neol.selection import select
 from neol.spec import load_configuration
 from tests.analysis.made_up import configuration, write_campaign
 
@@ -90,7 +91,7 @@ def test_the_sidecar_leads_back_to_the_records(campaign: Campaign, tmp_path: Pat
     sidecar = json.loads((tmp_path / "figures" / "table1.json").read_text())
     assert sidecar["budget"] == "smoke"
     assert sidecar["command"].startswith("snakemake ")
-    assert sidecar["command"].endswith("figures/table1.tex --config budget=smoke")
+    assert sidecar["command"].endswith("figures/table1.tex --config budget=smoke tasks=cartpole")
     assert len(sidecar["records"]) == 14  # three rules of four cells, NEAT of two; not NEAT (w/o)
     for record in sidecar["records"]:
         content = (tmp_path / record["path"]).read_bytes()
@@ -164,12 +165,19 @@ def test_no_record_at_all_prints_nothing_but_the_reasons(tmp_path: Path) -> None
 
 def test_the_caption_says_the_budget(campaign: Campaign) -> None:
     caption = table1(campaign).caption
-    assert "Budget smoke: G = 2 generations, 3 seeds, N = 1 episode per evaluation" in caption
+    assert (
+        "Budget smoke, CartPole only: G = 2 generations, 3 seeds, N = 1 episode per evaluation"
+        in caption
+    )
     assert caption.endswith("Reduced budget: not the paper's.")
 
 
 def test_only_the_papers_budget_is_the_papers() -> None:
     assert "Reduced" not in describe_budget(load_configuration("paper"))
+    assert describe_budget(select("paper", "hopper,cartpole")).startswith(
+        "Budget paper, CartPole and Hopper only: G = 500 generations, 30 seeds, "
+    )
+    assert "Reduced" not in describe_budget(select("paper", "cartpole"))
     assert "Reduced" in describe_budget(load_configuration("paper", ["budget.seeds=29"]))
     assert "Reduced" in describe_budget(load_configuration("paper", ["neat.elitism=3"]))
 

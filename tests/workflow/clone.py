@@ -7,8 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+from neol.selection import figures_folder, select
 from neol.spec import ROOT
 
+SMOKE = ("--config", "budget=smoke")
+FIGURES = figures_folder(select("smoke").budget)
+"""Of that budget."""
 TARGETS = {"all", "tables", "figures", "claims", "beyond", "records", "total"}
 JOB_COUNT = re.compile(r"^([\w.-]+) +(\d+)$", re.MULTILINE)
 

@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 
 from neol.campaign import blocks
+from neol.selection import SHOWN_BUDGET, select
 from neol.sensitivity import trials, variants
 from neol.spec import load_configuration
-from tests.workflow.clone import fresh_clone, planned, snakemake
+from neol.trace import trace
+from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
 
 pytestmark = pytest.mark.slow
 
@@ -66,6 +68,24 @@ def test_shipped_records_are_used_as_they_are(clone: Path) -> None:
     assert planned(clone, *DEMO) == NOTEBOOKS
 
 
+def test_some_tasks_of_a_budget_need_only_their_runs(clone: Path) -> None:
+    demo = planned(clone, "records", *DEMO, "tasks=cartpole")
+    assert demo == NOTEBOOKS
+    paper = select("paper", "cartpole")
+    blocks_of = {"run": len(blocks(paper))}
+    assert planned(clone, "records", "--config", "budget=paper", "tasks=cartpole") == blocks_of
+
+
+def test_tables_of_some_tasks_say_so(clone: Path) -> None:
+    options = ("--config", "budget=demo", "tasks=cartpole")
+    target = "figures/demo-cartpole/table1.tex"
+    made = snakemake(clone, target, *options)
+    assert made.returncode == 0, made.stderr
+    assert "Budget demo, CartPole only: G = 60" in (clone / target).read_text()
+    assert f"made by  snakemake {target} {' '.join(options)}" in trace(clone / target, clone)
+    assert planned(clone, target, *options) == {}
+
+
 def test_a_record_that_is_there_is_no_error_to_ask_for(clone: Path) -> None:
     record = str(blocks(load_configuration("demo"))[0].record)
     assert planned(clone, record, "--config", "budget=demo") == {}
@@ -110,22 +130,29 @@ def test_a_changed_constant_plans_the_runs_that_it_affects_and_says_why(
 
 
 def test_every_table_and_figure_is_a_target(clone: Path) -> None:
-    tables = [f"figures/table{number}.{kind}" for number in range(1, 9) for kind in ("tex", "csv")]
-    figures = [
-        f"figures/figure{number}.{kind}" for number in range(2, 12) for kind in ("pdf", "png")
-    ]
-    assert planned(clone, *tables, *figures) == planned(clone, "tables", "figures")
+    names = [f"table{number}.{kind}" for number in range(1, 9) for kind in ("tex", "csv")]
+    names += [f"figure{number}.{kind}" for number in range(2, 12) for kind in ("pdf", "png")]
+    files = [str(FIGURES / name) for name in names]
+    assert planned(clone, *files, *SMOKE) == planned(clone, "tables", "figures", *SMOKE)
 
 
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
         (["tables", "--config", "budget=dusk"], 'unknown budget "dusk", did you mean "desk"?'),
-        (["tables", "--config", "bugdet=desk"], "--config bugdet: unknown key (allowed: budget)"),
-        (["figures/table1.tex", "--config", "budget=desk"], "ask for figures/desk/table1.tex"),
-        (["figures/desk/table1.tex"], "shows budget desk: add --config budget=desk"),
-        (["figures/smoke/table1.tex"], "ask for figures/table1.tex"),
-        (["results/smoke/cartpole/nix.parquet"], "budget smoke has no such record"),
+        (
+            ["tables", "--config", "bugdet=desk"],
+            "--config bugdet: unknown key (allowed: budget, tasks)",
+        ),
+        (
+            ["tables", "--config", "budget=demo", "tasks=cartpole,hopper"],
+            'budget demo has no task "hopper" (allowed: cartpole, lunar_lander)',
+        ),
+        (["figures/table1.tex", "--config", "budget=paper"], "ask for figures/paper/table1.tex"),
+        (["figures/paper/table1.tex"], "needs --config budget=paper"),
+        (["figures/paper-hopper/table1.tex"], "needs --config budget=paper tasks=hopper"),
+        ([f"figures/{SHOWN_BUDGET}/table1.tex"], "ask for figures/table1.tex"),
+        ([f"results/{SHOWN_BUDGET}/cartpole/nix.parquet"], f"{SHOWN_BUDGET} has no such record"),
     ],
 )
 def test_what_cannot_be_made_is_refused_in_one_line(
