@@ -76,7 +76,7 @@ def test_a_notebook_makes_its_files_and_each_is_traced(
     papermill.execute_notebook(
         ROOT / "notebooks" / f"{notebook}.ipynb",
         tmp_path / "executed.ipynb",
-        {"results": str(results), "output": str(tmp_path)},
+        {"budget": "smoke", "results": str(results), "output": str(tmp_path)},
         cwd=ROOT / "notebooks",
         progress_bar=False,
     )

@@ -111,7 +111,10 @@ def sample() -> list[Block]:
 
 def test_a_campaign_has_the_same_digests_as_here(clone: Path, cluster: Environment) -> None:
     some = blocks(SMOKE) if WHOLE else sample()
-    succeeds(submit(clone, cluster, *(str(block.record) for block in some)), clone)
+    succeeds(
+        submit(clone, cluster, *(str(block.record) for block in some), "--config", "budget=smoke"),
+        clone,
+    )
     assert different(clone, SMOKE, some) == []
     left = [path for path in (clone / "results" / "smoke").rglob("*") if path.is_file()]
     assert sorted(left) == sorted(clone / block.record for block in some)

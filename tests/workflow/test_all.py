@@ -13,15 +13,15 @@ from neol.analysis.labels import HEATMAPS
 from neol.report.page import BEYOND
 from neol.trace import trace
 from tests.report.test_page import Outline
-from tests.workflow.clone import fresh_clone, planned, snakemake
+from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
 
 pytestmark = pytest.mark.slow
 
-PAPER = "paper/reproduction.pdf"
+PAPER = ("paper" if FIGURES.name == "figures" else FIGURES) / Path("reproduction.pdf")
 HAS_LATEX = shutil.which("latexmk") is not None
 NEEDS_LATEX = pytest.mark.skipif(not HAS_LATEX, reason="no LaTeX on this machine")
 TABLES = [*(f"table{number}" for number in range(1, 9)), "claims"]
-FIGURES = [
+PICTURES = [
     *(f"figure{number}" for number in (2, 3, *HEATMAPS)),
     *(f"beyond_{name}" for name in BEYOND),
 ]
@@ -30,32 +30,32 @@ FIGURES = [
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     clone = fresh_clone(tmp_path_factory.mktemp("all") / "neol")
-    made = snakemake(clone, "all", *([PAPER] if HAS_LATEX else []))
+    made = snakemake(clone, "all", *([str(PAPER)] if HAS_LATEX else []), *SMOKE)
     assert made.returncode == 0, made.stdout[-4000:] + made.stderr[-4000:]
     return clone
 
 
 def test_every_table_and_figure_is_there_and_traced(clone: Path) -> None:
-    for names, kinds in ((TABLES, ("tex", "csv")), (FIGURES, ("pdf", "png"))):
+    for names, kinds in ((TABLES, ("tex", "csv")), (PICTURES, ("pdf", "png"))):
         for name in names:
             for kind in kinds:
-                lines = list(trace(clone / "figures" / f"{name}.{kind}", clone))
+                lines = list(trace(clone / FIGURES / f"{name}.{kind}", clone))
                 assert not [line for line in lines if line.endswith(("since)", "here)"))]
 
 
 def test_a_second_call_has_nothing_to_do(clone: Path) -> None:
-    assert planned(clone, "all") == {}
+    assert planned(clone, "all", *SMOKE) == {}
 
 
 def test_the_page_is_whole(clone: Path) -> None:
-    outline = Outline((clone / "figures" / "report.html").read_text(encoding="utf-8"))
+    outline = Outline((clone / FIGURES / "report.html").read_text(encoding="utf-8"))
     assert {link.removeprefix("#") for link in outline.links} <= outline.ids.keys()
-    assert {*TABLES, *FIGURES, "champion-hopper"} <= outline.ids.keys()
+    assert {*TABLES, *PICTURES, "champion-hopper"} <= outline.ids.keys()
     assert all(source.startswith("data:image/") for source in outline.sources)
 
 
 def test_snakemake_reports_with_captions(clone: Path) -> None:
-    made = snakemake(clone, "--report", "snakemake.html", "tables", "figures")
+    made = snakemake(clone, "--report", "snakemake.html", "tables", "figures", *SMOKE)
     assert made.returncode == 0, made.stderr
     caption = (clone / "paper/captions/figure2.rst").read_text().strip()
     assert json.dumps(caption)[1:-1] in (clone / "snakemake.html").read_text()
@@ -74,7 +74,7 @@ def test_the_paper_is_about_eight_pages_and_refers_to_what_is_there(clone: Path)
 def test_the_paper_comes_out_the_same_again(clone: Path) -> None:
     before = hashlib.sha256((clone / PAPER).read_bytes()).hexdigest()
     shutil.rmtree(clone / "build/smoke/paper")
-    made = snakemake(clone, PAPER)
+    made = snakemake(clone, str(PAPER), *SMOKE)
     assert made.returncode == 0, made.stderr
     assert hashlib.sha256((clone / PAPER).read_bytes()).hexdigest() == before
 

@@ -18,11 +18,11 @@ from neol.analysis.choice import candidates
 from neol.campaign import blocks
 from neol.records import read_record, write_record
 from neol.spec import load_configuration
-from tests.workflow.clone import fresh_clone, planned, snakemake
+from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
 
 pytestmark = pytest.mark.slow
 
-TARGET = "figures/table1.tex"
+TARGET = str(FIGURES / "table1.tex")
 CONFIGURATION = load_configuration("smoke")
 SHOWN = {cell for cells in candidates(CONFIGURATION).values() for cell in cells}
 RECORDS = {block.record: block.cell for block in blocks(CONFIGURATION) if block.cell in SHOWN}
@@ -30,9 +30,9 @@ RECORDS = {block.record: block.cell for block in blocks(CONFIGURATION) if block.
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A fresh clone after `snakemake figures/table1.tex`."""
+    """A fresh clone after `snakemake figures/smoke/table1.tex --config budget=smoke`."""
     clone = fresh_clone(tmp_path_factory.mktemp("smoke") / "neol")
-    result = snakemake(clone, TARGET)
+    result = snakemake(clone, TARGET, *SMOKE)
     assert result.returncode == 0, result.stdout + result.stderr
     return clone
 
@@ -52,7 +52,7 @@ def aside(path: Path) -> Iterator[None]:
 
 def test_table_1_has_a_value_for_every_task_and_method(clone: Path) -> None:
     assert r"\begin{table}" in (clone / TARGET).read_text()
-    with (clone / "figures/table1.csv").open(newline="") as file:
+    with (clone / FIGURES / "table1.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 16
     assert not any(row["incomplete"] for row in rows)
@@ -60,7 +60,7 @@ def test_table_1_has_a_value_for_every_task_and_method(clone: Path) -> None:
 
 
 def test_table_1_is_traced_to_its_records(clone: Path) -> None:
-    sidecar = json.loads((clone / "figures/table1.json").read_text())
+    sidecar = json.loads((clone / FIGURES / "table1.json").read_text())
     assert {record["path"] for record in sidecar["records"]} == {str(path) for path in RECORDS}
     head = subprocess.run(
         ["git", "rev-parse", "HEAD"], cwd=clone, check=True, capture_output=True, text=True
@@ -76,8 +76,8 @@ def test_the_executed_notebook_is_kept_and_its_source_untouched(clone: Path) -> 
 
 
 def test_a_second_call_has_nothing_to_do(clone: Path) -> None:
-    assert planned(clone, TARGET) == {}
-    assert planned(clone, "figures/table5.tex") == {}
+    assert planned(clone, TARGET, *SMOKE) == {}
+    assert planned(clone, str(FIGURES / "table5.tex"), *SMOKE) == {}
 
 
 def test_records_of_any_age_are_used_as_they_are(clone: Path) -> None:
@@ -86,16 +86,19 @@ def test_records_of_any_age_are_used_as_they_are(clone: Path) -> None:
     for path in RECORDS:
         age = chance.uniform(0, 1e8)
         os.utime(clone / path, (age, age))
-    with aside(clone / ".snakemake"), aside(clone / "figures"):
-        assert planned(clone, TARGET) == {"tables_notebook": 1}
+    with aside(clone / ".snakemake"), aside(clone / FIGURES):
+        assert planned(clone, TARGET, *SMOKE) == {"tables_notebook": 1}
 
 
 def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
     record = random.Random(1).choice(sorted(RECORDS))
-    others = planned(clone, "records")["run"]  # cells that Table 1 does not show
+    others = planned(clone, "records", *SMOKE)["run"]  # cells that Table 1 does not show
     with aside(clone / record):
-        assert planned(clone, "records") == {"run": others + 1}
-        assert planned(clone, TARGET) == {"run": 1, "tables_notebook": 1}  # though it is up to date
+        assert planned(clone, "records", *SMOKE) == {"run": others + 1}
+        assert planned(clone, TARGET, *SMOKE) == {
+            "run": 1,
+            "tables_notebook": 1,
+        }  # though it is up to date
 
 
 def test_a_record_that_lacks_a_seed_is_made_again(clone: Path) -> None:
@@ -105,7 +108,7 @@ def test_a_record_that_lacks_a_seed_is_made_again(clone: Path) -> None:
         last = record.seeds[-1].seed
         kept = record.table.filter(record.table["seed"].to_numpy() < last)
         write_record(clone / path, replace(record, table=kept, seeds=record.seeds[:-1]))
-        assert planned(clone, TARGET) == {"run": 1, "tables_notebook": 1}
+        assert planned(clone, TARGET, *SMOKE) == {"run": 1, "tables_notebook": 1}
 
 
 def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
@@ -116,6 +119,6 @@ def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
     smoke.write_text(yaml.safe_dump(constants))
     try:
         affected = sum(cell.task == "hopper" for cell in RECORDS.values())
-        assert planned(clone, TARGET) == {"run": affected, "tables_notebook": 1}
+        assert planned(clone, TARGET, *SMOKE) == {"run": affected, "tables_notebook": 1}
     finally:
         smoke.write_text(before)
