@@ -24,7 +24,7 @@ from neol.provenance import Provenance
 from neol.record import HeldOut
 from neol.records import read_record, write_record
 from neol.run import run_block
-from neol.spec import Budget, canonical_json, load_configuration
+from neol.spec import canonical_json, load_configuration
 from tests.test_records import forge
 
 Json = dict[str, Any]
@@ -66,14 +66,13 @@ def make_campaign(folder: Path) -> None:
 
 def patch_budget() -> Any:
     """Let the budget be these three records and a study of two trials; a context manager."""
-    return mock.patch("neol.verify_place.jobs", lambda configuration: _few(configuration.budget))
+    return mock.patch("neol.verify_place.jobs", lambda asked: _few(asked.budget.name))
 
 
 @cache
-def _few(budget: Budget) -> list[Job]:
-    home = RESULTS / budget.name
-    names = [home / name for name in (OJA, HEBB, NEAT, *TRIALS)]
-    return [job for job in jobs(load_configuration(budget.name)) if job.record in names]
+def _few(budget: str) -> list[Job]:
+    names = [RESULTS / budget / name for name in (OJA, HEBB, NEAT, *TRIALS)]
+    return [job for job in jobs(load_configuration(budget)) if job.record in names]
 
 
 def update_manifest(folder: Path, *, add: str = "") -> None:
