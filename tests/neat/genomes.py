@@ -4,10 +4,11 @@ import numpy as np
 from hypothesis import strategies as st
 
 from neol.constants import Neat
+from neol.neat.breeding import breed
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction, fittest_first
-from neol.neat.variation import breed, crossover
+from neol.neat.variation import crossover
 from neol.pcg64 import State, new_state
 from neol.spec import load_configuration
 

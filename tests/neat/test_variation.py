@@ -4,18 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from neol.neat.genome import Genome, Pool
+from neol.neat.breeding import Rates
+from neol.neat.genome import Genome
 from neol.neat.innovations import Innovations, connection_number, split_node
-from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
 from neol.neat.values import draw_values, mutate_values
 from neol.neat.variation import (
-    PARENTS,
-    Rates,
     add_connection,
     add_node,
-    breed,
-    breed_all,
     mutate_enabled,
     reaches,
     remove_connection,
@@ -118,65 +114,6 @@ def test_a_gene_disabled_in_a_parent_is_disabled_in_most_children() -> None:
     assert disabled == pytest.approx(0.75, abs=0.04)
 
 
-def children_of(
-    genomes: list[Genome],
-    parents: list[tuple[int, int, bool]],
-    rates: Rates,
-    innovations: Innovations,
-) -> Population:
-    """A child for each pair of parents, or a copy where the pair stands for an elite."""
-    rows = np.array(parents, dtype=PARENTS)
-    pool = breed_all(Pool.of(genomes), rows, INPUTS, OUTPUTS, rates, innovations, stream())
-    return Population(0, pool, np.full(len(parents), np.nan))
-
-
-@given(populations)
-@settings(max_examples=30, deadline=None)
-def test_breeding_all_is_breeding_one_after_the_other(
-    grown: tuple[list[Genome], Reproduction],
-) -> None:
-    population, reproduction = grown
-    parents = [(3, 3, True), (0, 3, False), (2, 2, False), (1, 5, False), (4, 5, False)]
-    mark = (reproduction.innovations.next_innovation, reproduction.innovations.next_node)
-    together, alone = Innovations.begin(*mark, 4), Innovations.begin(*mark, 4)
-    elite, *children = children_of(population, parents, reproduction.rates, together)
-    assert elite.nodes.tolist() == population[3].nodes.tolist()
-    assert elite.connections.tolist() == population[3].connections.tolist()
-    state = stream()
-    for (one, other, _), child in zip(parents[1:], children, strict=True):
-        fitter, weaker = population[one], population[other]
-        expected = breed(
-            fitter.nodes,
-            fitter.connections,
-            weaker.nodes,
-            weaker.connections,
-            one != other,
-            INPUTS,
-            OUTPUTS,
-            reproduction.rates,
-            alone,
-            state,
-        )
-        assert child.nodes.tolist() == expected[0].tolist()
-        assert child.connections.tolist() == expected[1].tolist()
-    assert together.next_innovation == alone.next_innovation
-    assert together.next_node == alone.next_node
-
-
-def test_a_genome_bred_with_itself_and_unmutated_is_copied() -> None:
-    """Not even a disabled gene is drawn anew; and nothing is shared."""
-    rates = RATES._replace(add_connection=0.0, add_node=0.0, mutate_enabled=0.0)
-    rates = rates._replace(weight=rates.weight._replace(mutate_rate=0.0, replace_rate=0.0))
-    rates = rates._replace(bias=rates.bias._replace(mutate_rate=0.0, replace_rate=0.0))
-    parent = genome_of([(i, i % INPUTS, 3, 1.0, False) for i in range(50)])
-    child, _ = children_of([parent], [(0, 0, False)] * 2, rates, Innovations.begin(50, 5, 2))
-    assert child.nodes.tolist() == parent.nodes.tolist()
-    assert child.connections.tolist() == parent.connections.tolist()
-    child.connections["weight"], child.nodes["bias"] = 5.0, 5.0
-    assert parent.connections["weight"][0] == 1.0
-    assert parent.nodes["bias"][0] == 0.0
-
-
 def test_the_same_mutation_in_one_generation_gets_the_same_numbers() -> None:
     innovations = Innovations.begin(innovation=10, node=5, children=2)
     assert split_node(innovations, 0) == split_node(innovations, 0) == 5
@@ -200,15 +137,6 @@ def test_more_mutations_than_there_is_room_for_are_refused() -> None:
         connection_number(innovations, source, 3)
     with pytest.raises(IndexError):
         connection_number(innovations, 3, 3)
-
-
-def test_siblings_that_split_the_same_connection_get_the_same_genes() -> None:
-    rates = RATES._replace(add_connection=0.0, add_node=1.0)
-    parent = genome_of([(0, 0, 3, 0.7, True)])
-    innovations = Innovations.begin(6, 5, 3)
-    for child in children_of([parent], [(0, 0, False)] * 3, rates, innovations):
-        assert child.nodes["id"].tolist() == [3, 4, 5]
-        assert child.connections["innovation"].tolist() == [0, 6, 7]
 
 
 def test_add_node_splits_a_connection() -> None:
@@ -273,19 +201,6 @@ def test_reaches() -> None:
     assert reaches(chain.connections, 5, 3)
     assert reaches(chain.connections, 5, 5)
     assert not reaches(chain.connections, 6, 5)
-
-
-@pytest.mark.parametrize("mode", ["off", "config", 0.3, 0.0, 1.0])
-def test_weight_mutation_modes(mode: str | float) -> None:
-    neat = neat_constants(weight_mutation=mode)
-    weight = np.full(4000, 100.0)
-    mutate_values(weight, Rates.of(neat).weight, stream())
-    changed = np.mean(weight != 100.0)
-    expected = {"off": 0.0, "config": neat.weight_mutate_rate + neat.weight_replace_rate}
-    assert changed == pytest.approx(expected.get(str(mode), mode), abs=0.03)
-    assert (weight[weight != 100.0] <= neat.weight_limit).all()
-    replaced = np.mean(np.abs(weight) < 6.0)
-    assert replaced == pytest.approx(neat.weight_replace_rate if mode == "config" else 0, abs=0.03)
 
 
 @pytest.mark.parametrize("mode", ["off", "config", 0.3])
