@@ -22,8 +22,16 @@ localrules:
     elsewhere,
 
 
+onsuccess:
+    tidy()
+
+
+onerror:
+    tidy()
+
+
 wildcard_constraints:
-    path=".+/.+" if FIGURES == "figures" else f"(?!{re.escape(LABEL)}/).+",
+    elsewhere=ELSEWHERE,
 
 
 rule all:
@@ -80,7 +88,7 @@ rule run:
     message:
         "{params.reason}"
     shell:
-        "python -m neol run {params.arguments} --workers {threads} --resume --quiet --output {output} > {log} 2>&1"
+        "python -m neol run {params.arguments} --workers {threads} --resume --keep-partial --quiet --output {output} > {log} 2>&1"
 
 
 # All other records are there as they should be: asked for, there is nothing to do.
@@ -129,4 +137,4 @@ rule elsewhere:
     input:
         ask_otherwise,
     output:
-        "figures/{path}",
+        "{elsewhere}",

@@ -11,6 +11,7 @@ from neol.campaign import blocks
 from neol.cost import walltime_minutes
 from neol.errors import UserError
 from neol.jobs import jobs
+from neol.partial import remove_if_complete
 from neol.selection import SHOWN_BUDGET, figures_folder, label, select
 from neol.spec import budgets
 from neol.workflow import clear_stale_locks, pattern
@@ -38,9 +39,27 @@ try:
 except UserError as error:
     sys.exit(f"neol: {error}")
 LABEL, FIGURES = label(CONFIGURATION.budget), str(figures_folder(CONFIGURATION.budget))
+ELSEWHERE = (
+    "figures/.+/.+"
+    if FIGURES == "figures"
+    else rf"paper/reproduction\.pdf|figures/(?!{re.escape(LABEL)}/).+"
+)
 ALIVE = clear_stale_locks()
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
+
+
+def tidy():
+    """Remove the .partial folders of the records that are there.
+
+    Not sooner than when all is over: Snakemake removes the record of a job that something kills after its last write.
+    """
+    for path in JOBS:
+        remove_if_complete(Path(path))
+
+
+if workflow.is_main_process:
+    tidy()  # what a killed workflow left
 REASONS = {path: job.reason() for path, job in JOBS.items()}
 KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
 
@@ -87,15 +106,13 @@ def code(*, draws):
 
 def ask_otherwise(wildcards):
     """Refuse what another budget shows, and say what to ask for."""
-    folder, _, name = wildcards.path.rpartition("/")
-    other = re.fullmatch(f"({'|'.join(budgets())})(?:-(.+))?", folder)
-    if other and folder not in (LABEL, SHOWN_BUDGET):
+    path = Path(wildcards.elsewhere)
+    other = re.fullmatch(f"({'|'.join(budgets())})(?:-(.+))?", path.parent.name)
+    if other and path.parent.name not in (LABEL, SHOWN_BUDGET):
         budget, tasks = other.groups()
         options = f"budget={budget}" + (f" tasks={tasks}" if tasks else "")
-        sys.exit(f"neol: figures/{wildcards.path} needs --config {options}")
-    sys.exit(
-        f"neol: figures/{wildcards.path} is no figure of {LABEL}: ask for {FIGURES}/{name}"
-    )
+        sys.exit(f"neol: {path} needs --config {options}")
+    sys.exit(f"neol: {path} does not show {LABEL}: ask for {FIGURES}/{path.name}")
 
 
 heatmaps = [

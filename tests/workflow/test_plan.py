@@ -149,6 +149,10 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
             'budget demo has no task "hopper" (allowed: cartpole, lunar_lander)',
         ),
         (["figures/table1.tex", "--config", "budget=paper"], "ask for figures/paper/table1.tex"),
+        (
+            ["paper/reproduction.pdf", "--config", "budget=paper"],
+            "ask for figures/paper/reproduction.pdf",
+        ),
         (["figures/paper/table1.tex"], "needs --config budget=paper"),
         (["figures/paper-hopper/table1.tex"], "needs --config budget=paper tasks=hopper"),
         ([f"figures/{SHOWN_BUDGET}/table1.tex"], "ask for figures/table1.tex"),
