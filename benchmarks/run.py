@@ -1,7 +1,7 @@
 """Measure everything in one interleaved run and write it to docs/: `make bench`, `neol bench`.
 
-A round lets every contestant measure once, one after the other, and begins with another one each
-time; ratios are taken within a round, and what is written is the median over the rounds.
+A round makes every measurement once, one after the other, and begins with another one each time;
+ratios are taken within a round, and what is written is the median over the rounds.
 """
 
 import argparse
@@ -13,8 +13,8 @@ from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import measure, report
-from benchmarks.measure import Contestant, Scale
+from benchmarks import report, runs, steps
+from benchmarks.measure import FULL, POPULATION, QUICK, Measurement, Scale, run_spec_of
 from benchmarks.table import Key, summarise
 from neol.errors import UserError
 from neol.rollout import make_engine
@@ -42,68 +42,66 @@ def main(command_line: Sequence[str] | None = None) -> None:
 def run(tasks: list[str], rounds: int, quick: bool) -> dict[Key, list[float]]:
     """Everything measured: for each key its values, one for each round."""
     values: dict[Key, list[float]] = defaultdict(list)
-    scales = measure.QUICK if quick else measure.FULL
-    contestants: list[tuple[str, str, Contestant]] = []
+    scales = QUICK if quick else FULL
+    measurements: list[tuple[str, str, Measurement]] = []
     for task in tasks:
         _say(f"{task}: prepare")
-        for networks, contestant in _prepare(task, scales[task], quick, values):
-            contestants.append((task, networks, contestant))
+        for networks, measurement in _prepare(task, scales[task], quick, values):
+            measurements.append((task, networks, measurement))
     for number in range(rounds):
         _say(f"round {number + 1} of {rounds}")
-        turn = number * len(contestants) // rounds
-        for task, networks, contestant in contestants[turn:] + contestants[:turn]:
-            for quantity, value in contestant().items():
+        turn = number * len(measurements) // rounds
+        for task, networks, measure in measurements[turn:] + measurements[:turn]:
+            for quantity, value in measure().items():
                 values[quantity, task, networks].append(value)
     for task in tasks:
         _say(f"{task}: short runs")
         generations = scales[task].short_run
         values["short_run_generations", task, ""].append(float(generations))
         for method in ("hebb", "neat"):
-            short = measure.short_run(task, method, generations)
+            short = runs.short_run(task, method, generations)
             for quantity, value in short.items():
                 values[quantity, task, method].append(value)
     if "bipedal_walker" in tasks:
         _say("peak memory")
-        memory = measure.peak_memory("bipedal_walker", 300, 20 if quick else 500)
+        memory = runs.peak_memory("bipedal_walker", 300, 20 if quick else 500)
         values["peak_memory", "bipedal_walker", ""].append(memory["peak_memory"])
     return values
 
 
 def _prepare(
     task: str, scale: Scale, quick: bool, values: dict[Key, list[float]]
-) -> list[tuple[str, Contestant]]:
-    """A task's contestants, warm: every kernel compiled, every library loaded."""
-    contestants: list[tuple[str, Contestant]] = []
-    recordings = measure.both_recordings(task, scale, generations=3 if quick else 8)
+) -> list[tuple[str, Measurement]]:
+    """A task's measurements, warm: every kernel compiled, every library loaded."""
+    measurements: list[tuple[str, Measurement]] = []
+    recordings = steps.both_recordings(task, scale, generations=3 if quick else 8)
     for networks, recording in recordings.items():
         values["recorded_steps_per_episode", task, networks].append(
             recording.steps / len(recording.seeds)
         )
-        contestants += [(networks, c) for c in measure.engine_contestants(recording).values()]
-    contestants.append(("large", measure.c_contestant(recordings["large"])))
+        measurements += [(networks, each) for each in steps.engine_measurements(recording).values()]
+    measurements.append(("large", steps.c_measurement(recordings["large"])))
 
-    spec = measure.run_spec_of(task, measure.POPULATION, scale.run)
+    spec = run_spec_of(task, POPULATION, scale.run)
     engine = make_engine(spec.task, "fast")
     values["run_generations", task, ""].append(float(scale.run))
-    contestants += [("", c) for c in measure.whole_run_contestants(spec, engine).values()]
+    measurements += [("", each) for each in runs.whole_run_measurements(spec, engine).values()]
 
-    spec = measure.run_spec_of(task, 100, scale.worker_run)
-    contestants.append(("", measure.worker_contestant(spec)))
+    spec = run_spec_of(task, 100, scale.worker_run)
+    measurements.append(("", runs.worker_measurement(spec)))
 
-    sizes, grown = measure.neat_after(task, 300, 30 if quick else 200, timed=3 if quick else 10)
+    sizes, grown = runs.neat_after(task, 300, 30 if quick else 200, timed=3 if quick else 10)
     for quantity, value in sizes.items():
         values[quantity, task, ""].append(value)
-    contestants.append(("", grown))
-    return contestants
+    measurements.append(("", grown))
+    return measurements
 
 
 def _arguments(command_line: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="neol bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument(
-        "--tasks", nargs="+", choices=list(measure.FULL), default=list(measure.FULL)
-    )
+    parser.add_argument("--tasks", nargs="+", choices=list(FULL), default=list(FULL))
     parser.add_argument("--rounds", type=int, default=None, help="5, or 2 with --quick")
     parser.add_argument("--quick", action="store_true", help="a small run, to see that all works")
     parser.add_argument("--output", type=Path, default=report.DOCS)

@@ -1,4 +1,4 @@
-"""Recorded episodes, so that every contestant meets the very same steps.
+"""Recorded episodes, so that every measurement meets the very same steps.
 
 `record` lets networks play in the fast engine and keeps what passed between them and the world.
 Then the physics is stepped again under the recorded actions, without network or learning; and

@@ -1,0 +1,93 @@
+"""Environment steps: of every engine, of physics and network alone, of the same loop in C."""
+
+from collections.abc import Callable
+from functools import partial
+
+from benchmarks import c_loop
+from benchmarks.measure import (
+    METHOD,
+    POPULATION,
+    RULES,
+    Measurement,
+    Scale,
+    Values,
+    cpu_seconds,
+    run_spec_of,
+)
+from benchmarks.networks import initial_topology, large, recording_of
+from benchmarks.trajectories import (
+    Recording,
+    seconds_of_gymnasium,
+    seconds_of_physics,
+    seconds_of_resets,
+)
+from neol.rollout import make_engine
+from neol.rollout.reference import ReferenceEngine, network_size
+
+
+def both_recordings(task: str, scale: Scale, generations: int) -> dict[str, Recording]:
+    """Episodes of small and of large networks; all that plays them is compiled afterwards."""
+    spec = run_spec_of(task, POPULATION, 1)
+    engine = make_engine(spec.task, "fast")
+    size = network_size(spec.task)
+    small = initial_topology(spec, engine, size, generations)
+    recordings = {
+        "initial": recording_of(spec, engine, small, scale.steps),
+        "large": recording_of(spec, engine, large(spec, size, 30), scale.steps),
+    }
+    recordings["large"].play_back(METHOD)
+    seconds_of_resets(recordings["large"])
+    if task != "cartpole":
+        seconds_of_physics(recordings["large"])
+    return recordings
+
+
+def engine_measurements(recording: Recording) -> dict[str, Measurement]:
+    """Microseconds per environment step of everything that can play these episodes."""
+    per_step = 1e6 / recording.steps
+    reference = ReferenceEngine(recording.task)
+    played = (recording.networks, recording.seeds, recording.plasticity)
+
+    def playback() -> Values:
+        none = cpu_seconds(lambda: recording.play_back("none"))
+        rule = cpu_seconds(lambda: recording.play_back(METHOD))
+        return {"network": none * per_step, "plasticity": (rule - none) * per_step}
+
+    def neighbours() -> Values:
+        values = {"engine": cpu_seconds(lambda: recording.engine.evaluate(*played)) * per_step}
+        if recording.task.name != "cartpole":
+            values["physics"] = seconds_of_physics(recording) * per_step
+        return values
+
+    return {
+        "engine, physics": neighbours,
+        "resets": lambda: {"resets": _mean_of(seconds_of_resets, recording) * per_step},
+        "playback": playback,
+        "gymnasium": lambda: {"gymnasium": seconds_of_gymnasium(recording) * per_step},
+        "reference": lambda: {
+            "reference": cpu_seconds(lambda: reference.evaluate(*played)) * per_step
+        },
+    }
+
+
+def _mean_of(seconds: Callable[[Recording], float], recording: Recording) -> float:
+    measured = [seconds(recording)]
+    while sum(measured) < 0.01:
+        measured.append(seconds(recording))
+    return sum(measured) / len(measured)
+
+
+def c_measurement(recording: Recording) -> Measurement:
+    """Network and plasticity of large networks, by rule: our kernels, and the same loop in C."""
+    per_step = 1e6 / recording.steps
+
+    def both() -> Values:
+        values = {}
+        for rule in RULES:
+            ours = cpu_seconds(partial(recording.play_back, rule))
+            theirs = cpu_seconds(partial(c_loop.play_back, recording, rule))
+            values[f"kernels_{rule}"] = ours * per_step
+            values[f"c_{rule}"] = theirs * per_step
+        return values
+
+    return both
