@@ -22,6 +22,14 @@ localrules:
     elsewhere,
 
 
+onsuccess:
+    tidy()
+
+
+onerror:
+    tidy()
+
+
 wildcard_constraints:
     elsewhere=ELSEWHERE,
 
@@ -80,7 +88,7 @@ rule run:
     message:
         "{params.reason}"
     shell:
-        "python -m neol run {params.arguments} --workers {threads} --resume --quiet --output {output} > {log} 2>&1"
+        "python -m neol run {params.arguments} --workers {threads} --resume --keep-partial --quiet --output {output} > {log} 2>&1"
 
 
 # All other records are there as they should be: asked for, there is nothing to do.

@@ -31,11 +31,17 @@ def checkpoint_path(partial: Path, seed: int) -> Path:
     return finished_path(partial, seed).with_suffix(".npz")
 
 
+def remove_if_complete(output: Path) -> None:
+    """Remove the folder of an output that is there."""
+    if output.exists():
+        shutil.rmtree(partial_folder(output), ignore_errors=True)
+
+
 @contextlib.contextmanager
-def claim(output: Path, *, wait: bool) -> Iterator[Path]:
+def claim(output: Path, *, wait: bool, keep: bool = False) -> Iterator[Path]:
     """Make the folder beside an output and hold it against other processes.
 
-    It goes with the claim where it holds no work, or the output is complete.
+    It goes with the claim where it holds no work, or the output is complete and it need not `keep`.
     """
     partial = partial_folder(output)
     lock = partial / "lock"
@@ -54,8 +60,10 @@ def claim(output: Path, *, wait: bool) -> Iterator[Path]:
             try:
                 yield partial
             finally:
-                if output.exists() or not any(partial.glob("seed_*")):
+                if not any(partial.glob("seed_*")):
                     shutil.rmtree(partial, ignore_errors=True)
+                elif not keep:
+                    remove_if_complete(output)
             return
 
 

@@ -22,7 +22,7 @@ from neol.neat.genome import Genome
 from neol.partial import checkpoint_path, claim, finished_path
 from neol.provenance import checkout, provenance
 from neol.record import Champion, HeldOut, Record, SeedInfo, join
-from neol.records import read_record, write_record
+from neol.records import first_difference, read_record, read_spec, write_record
 from neol.rollout import Engine, EngineChoice, make_engine
 from neol.rollout.reference import network_size
 from neol.spec import RunSpec
@@ -113,6 +113,7 @@ def run_block(
     workers: int = 1,
     checkpoint_every: int = 10,
     resume: bool = False,
+    keep_partial: bool = False,
     budget: str | None = None,
     on_generation: OnGeneration | None = None,
 ) -> Record:
@@ -120,7 +121,7 @@ def run_block(
 
     With `resume`, finished seeds and checkpoints of an earlier attempt are used, a complete
     record is returned as it is, and another process at the same output is waited for; without it,
-    none of these may be there.
+    none of these may be there. With `keep_partial`, the records of the single seeds stay.
     Raises UserError where something is in the way, before anything is simulated.
     """
     checkout()
@@ -131,7 +132,7 @@ def run_block(
         if not resume:
             raise UserError(f"{output}: exists already; remove it or choose another output")
         _same_seeds(read_record(output, spec), seeds, output)
-    with claim(output, wait=resume) as partial:
+    with claim(output, wait=resume, keep=keep_partial) as partial:
         if any(partial.glob("seed_*")) and not resume:
             raise UserError(
                 f"{partial}: holds an interrupted run; go on with --resume, or remove it"
@@ -139,7 +140,7 @@ def run_block(
         if output.exists():
             record = _same_seeds(read_record(output, spec), seeds, output)
         else:
-            _refuse_other_seeds(partial, seeds)
+            _refuse_other_work(partial, spec, seeds)
             with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
                 records = [
                     _seed_record(
@@ -229,7 +230,7 @@ def _distinct(seeds: Sequence[int]) -> list[int]:
     return ordered
 
 
-def _refuse_other_seeds(partial: Path, seeds: Sequence[int]) -> None:
+def _refuse_other_work(partial: Path, spec: RunSpec, seeds: Sequence[int]) -> None:
     ours = {finished_path(partial, seed).stem for seed in seeds}
     others = sorted({path.stem for path in partial.glob("seed_*")} - ours)
     if others:
@@ -237,6 +238,12 @@ def _refuse_other_seeds(partial: Path, seeds: Sequence[int]) -> None:
             f"{partial}: holds work of {others[0]}, which is not among the seeds asked for; "
             "resume with all its seeds, or remove it"
         )
+    for path in sorted(partial.glob("seed_*.parquet")):
+        if difference := first_difference(read_spec(path), spec):
+            raise UserError(
+                f"{path}: of another specification: {difference}; "
+                f"set that back, or remove {partial}"
+            )
 
 
 def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:

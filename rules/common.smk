@@ -11,6 +11,7 @@ from neol.campaign import blocks
 from neol.cost import walltime_minutes
 from neol.errors import UserError
 from neol.jobs import jobs
+from neol.partial import remove_if_complete
 from neol.selection import SHOWN_BUDGET, figures_folder, label, select
 from neol.spec import budgets
 from neol.workflow import clear_stale_locks, pattern
@@ -46,6 +47,19 @@ ELSEWHERE = (
 ALIVE = clear_stale_locks()
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
+
+
+def tidy():
+    """Remove the .partial folders of the records that are there.
+
+    Not sooner than when all is over: Snakemake removes the record of a job that something kills after its last write.
+    """
+    for path in JOBS:
+        remove_if_complete(Path(path))
+
+
+if workflow.is_main_process:
+    tidy()  # what a killed workflow left
 REASONS = {path: job.reason() for path, job in JOBS.items()}
 KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
 

@@ -103,7 +103,8 @@ def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
         "run --task hopper --method bcm --population 50 --learning-rate 0.0025 --generations 20 "
         "--seed 4-6 --output b.parquet --episodes 2 --max-steps 77 --reward-scale 0.5 "
         "--weight-mutation 0.3 --no-write-back --workers 2 --checkpoint-every 5 --resume "
-        "--engine reference --set neat.elitism=1 --set network.sum_limit=9 --budget smoke",
+        "--keep-partial --engine reference --budget smoke --set neat.elitism=1 "
+        "--set network.sum_limit=9",
         monkeypatch,
     )
     assert (spec.task.name, spec.task.max_steps, spec.method) == ("hopper", 77, "bcm")
@@ -121,6 +122,7 @@ def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
         "workers": 2,
         "checkpoint_every": 5,
         "resume": True,
+        "keep_partial": True,
         "budget": "smoke",
     }
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from neol.errors import UserError
-from neol.partial import is_running, partial_folder
+from neol.partial import is_running, partial_folder, remove_if_complete
 from tests.test_run import block, killer, names
 
 
@@ -47,4 +47,21 @@ def test_looking_whether_a_block_is_running_keeps_none_from_starting(
         fcntl.flock(looker, fcntl.LOCK_SH)
         monkeypatch.setattr(time, "sleep", lambda _: fcntl.flock(looker, fcntl.LOCK_UN))
         block(tmp_path / "run.parquet", seeds=(0,))
+    assert names(tmp_path) == ["run.parquet"]
+
+
+def test_kept_seeds_make_a_lost_record_again(tmp_path: Path) -> None:
+    output = tmp_path / "run.parquet"
+    made = block(output, keep_partial=True)
+    remove_if_complete(tmp_path / "other.parquet")
+    assert names(partial_folder(output)) == [
+        "lock",
+        "seed_000000.parquet",
+        "seed_000001.parquet",
+    ]
+    output.unlink()
+    remove_if_complete(output)
+    again = block(output, resume=True, keep_partial=True)
+    assert again.seeds == made.seeds  # time of day and cost included
+    remove_if_complete(output)
     assert names(tmp_path) == ["run.parquet"]

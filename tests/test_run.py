@@ -169,7 +169,9 @@ def test_interrupted_work_is_neither_lost_nor_mixed(tmp_path: Path) -> None:
         UserError, match=r"holds an interrupted run; go on with --resume, or remove"
     ):
         block(output)
-    with pytest.raises(UserError, match=r"seed_000000\.parquet: of another specification: neat\."):
+    with pytest.raises(
+        UserError, match=r"seed_000000\.parquet: of another specification: neat.*, or remove "
+    ):
         block(output, run_spec("oja", 0, "neat.elitism=1", generations=4), resume=True)
     for seeds in ((5,), (0, 5)):
         with pytest.raises(UserError, match=r"holds work of seed_00000[01], which is not among"):

@@ -71,6 +71,9 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on where an interrupted run stopped, if one did.")
     ] = False,
+    keep_partial: Annotated[
+        bool, typer.Option("--keep-partial", help="Keep OUTPUT.partial, a record for each seed.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but errors.")] = False,
 ) -> None:
     """Run a configuration with one or several seeds into a record."""
@@ -116,6 +119,7 @@ def run(
             workers=workers,
             checkpoint_every=checkpoint_every,
             resume=resume,
+            keep_partial=keep_partial,
             budget=budget,
             on_generation=progress,
         )

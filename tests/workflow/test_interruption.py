@@ -119,6 +119,35 @@ def test_the_job_killed(clone: Path, spec: RunSpec, undisturbed: object) -> None
     assert_finishes(clone, kept(clone, spec), undisturbed)
 
 
+LINGERS = """
+import atexit, sys, time
+from pathlib import Path
+if "run" in sys.argv:
+    atexit.register(lambda: time.sleep(60 * Path("linger").exists()))
+"""
+
+
+def test_the_job_killed_after_its_last_write(clone: Path, undisturbed: object) -> None:
+    """Snakemake removes its record, which comes again from those of its seeds."""
+    (clone / "sitecustomize.py").write_text(LINGERS)
+    (clone / "linger").touch()
+    workflow = start(clone)
+    while not (clone / RECORD).exists():
+        time.sleep(0.01)
+    made = read_record(clone / RECORD)
+    (job,) = (each for each in workflow.children(recursive=True) if "-m neol run" in said(each))
+    job.kill()
+    assert workflow.wait() == 1
+    assert not (clone / RECORD).exists()
+    (clone / "linger").unlink()
+    done = snakemake(clone, *COMMAND)
+    assert done.returncode == 0, done.stderr
+    assert read_record(clone / RECORD).seeds == made.seeds  # time of day and cost included
+    assert result(made) == undisturbed
+    assert [path.name for path in (clone / RECORD).parent.iterdir()] == [RECORD.name]
+    (clone / RECORD).unlink()
+
+
 def test_only_the_workflow_killed(clone: Path, undisturbed: object) -> None:
     """Its job lives on: the next workflow's waits for it."""
     workflow = start(clone)
