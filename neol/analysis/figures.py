@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from neol.analysis.labels import method_label, task_label
+from neol.analysis.labels import drawn, method_label, task_label, three_figures
 from neol.analysis.statistics import Floats, mean_interval
 from neol.analysis.style import COLOUR_MAP, GREY, WIDTH, Style, drawing, footer, styles
 
@@ -227,7 +227,7 @@ def _write_cells(axis: Axes, mean: Floats, count: Floats, seeds: int, scale: Nor
     for (row, column), value in np.ndenumerate(mean):
         there = int(count[row, column])
         ink = "white" if there and scale(value) < 0.55 else "black"
-        text = _number(value) if there else "no runs"
+        text = drawn(three_figures(value)) if there else "no runs"
         if 0 < there < seeds:
             text += f"\n{there}/{seeds}"
         label = axis.text(
@@ -250,14 +250,6 @@ def _separate(axis: Axes, shape: tuple[int, ...]) -> None:
 def _frame(row: int, column: int, half: float, *, linewidth: float = 0, **style: Any) -> Rectangle:
     corner = column - half, row - half
     return Rectangle(corner, 2 * half, 2 * half, fill=False, linewidth=linewidth, **style)
-
-
-def _number(value: float) -> str:
-    """Three significant figures, of large numbers all before the point."""
-    if not np.isfinite(value):
-        return "–"
-    text = f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"
-    return text.replace("-", "−")
 
 
 def _tint(colour: str) -> tuple[float, float, float, float]:

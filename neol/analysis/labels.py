@@ -1,4 +1,6 @@
-"""Tasks and methods as the paper prints them, and in which order."""
+"""Tasks and methods as the paper prints them, and in which order; and numbers."""
+
+import math
 
 from neol.constants import Budget
 from neol.rules import WITHOUT_RULE
@@ -39,3 +41,16 @@ def task_label(task: str) -> str:
     if task.startswith("gym:"):
         return task.removeprefix("gym:")
     return TASKS.get(task, task.replace("_", " ").title())
+
+
+def three_figures(value: float) -> str:
+    """0.451, 12.0, 1234: three significant figures, of large numbers all before the point."""
+    if math.isnan(value):
+        return "--"
+    text = f"{value:.0f}" if abs(value) >= 100 else f"{value + 0.0:#.3g}"  # + 0.0: no "-0"
+    return text.rstrip(".")
+
+
+def drawn(number: str) -> str:
+    """A number as pictures show it: with a dash and a minus for its hyphens."""
+    return number.replace("--", "–").replace("-", "−")

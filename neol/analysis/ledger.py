@@ -10,6 +10,7 @@ import pandas as pd
 from neol.analysis import claims
 from neol.analysis.captions import describe_budget
 from neol.analysis.claims import Decision, Finding
+from neol.analysis.labels import three_figures
 from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
 from neol.analysis.sidecar import write_sidecar
@@ -137,7 +138,8 @@ def _markdown_row(decision: Decision) -> str:
 def _effect(finding: Finding) -> str:
     if math.isnan(finding.effect):
         return finding.reason or "--"
-    return f"{_number(finding.effect)} [{_number(finding.low)}, {_number(finding.high)}]"
+    effect, low, high = map(three_figures, (finding.effect, finding.low, finding.high))
+    return f"{effect} [{low}, {high}]"
 
 
 def _p(finding: Finding) -> str:
@@ -146,12 +148,6 @@ def _p(finding: Finding) -> str:
 
 def _seeds(needed: float) -> str:
     return f"{needed:.0f}" if needed < 10_000 else "--"
-
-
-def _number(value: float) -> str:
-    if math.isnan(value):
-        return "--"
-    return f"{value + 0.0:.3g}" if abs(value) < 1000 else f"{value:.0f}"  # + 0.0: no "-0"
 
 
 def write_ledger(folder: Path, decisions: Sequence[Decision], campaign: Campaign) -> None:

@@ -1,14 +1,13 @@
 """The paper's Tables 1 to 8 from a budget's records, each value beside the paper's own."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from string import ascii_lowercase
 
 import numpy as np
 import pandas as pd
 
-from neol.analysis import reference
+from neol.analysis import entries, reference
 from neol.analysis.captions import describe_budget, describe_samples
 from neol.analysis.choice import SETTINGS, candidates
 from neol.analysis.labels import challengers, method_label, task_label
@@ -19,7 +18,6 @@ from neol.analysis.table import Entry, Line, Table
 from neol.campaign import Cell
 from neol.rules import WITHOUT_RULE
 
-NOTHING = "--"
 CHOSEN_OF_FOUR = 0.14
 """How often equal methods differ at `ALPHA`, when one is the best of four cells, of 30 seeds each.
 
@@ -75,7 +73,7 @@ def _best_fitness(number: int, campaign: Campaign, setting: str, remark: str = "
         f"{remark} The configurations are those of Table {SETTINGS[setting].paper_table}."
     )
     methods = SETTINGS[setting].methods(campaign.configuration.budget)
-    return _means(number, title, _fitness, campaign, setting, methods, number)
+    return _means(number, title, entries.fitness, campaign, setting, methods, number)
 
 
 def _scores(number: int, campaign: Campaign, against: str, remark: str = "") -> Table:
@@ -86,13 +84,13 @@ def _scores(number: int, campaign: Campaign, against: str, remark: str = "") -> 
         f"{_RANKED}{remark}"
     )
     methods = (*challengers(budget), against)
-    return _means(number, title, _score, campaign, "score", methods, number)
+    return _means(number, title, entries.score, campaign, "score", methods, number)
 
 
 def _configurations(number: int, campaign: Campaign, setting: str, behind: int) -> Table:
     methods = SETTINGS[setting].methods(campaign.configuration.budget)
     title = f"Configurations behind Table {behind}, {_CHOICE}"
-    return _means(number, title, _setting, campaign, setting, methods, behind)
+    return _means(number, title, entries.setting, campaign, setting, methods, behind)
 
 
 def lead_over_neat(table: Table) -> pd.DataFrame:
@@ -128,16 +126,16 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
         f"each the paper's own. Bold: below {ALPHA}. They are not corrected for their number: "
         "beyond_effects.csv has Holm's p-values over the declared family."
     )
-    marks = _marks(frame["incomplete"])
+    marks = entries.marks(frame["incomplete"])
     lines = []
     for task in budget.tasks:
         row = frame[frame["task"] == task]
         ours = [
-            _mark(_p(p, 2), marks.get(why))
+            entries.marked(entries.p_value(p, 2), marks.get(why))
             for p, why in zip(row["p"], row["incomplete"], strict=True)
         ]
-        papers = [_p(p, 3 if number == 5 else 2) for p in row["paper_p"]]
-        lines += _two_lines(task, ours, papers)
+        papers = [entries.p_value(p, 3 if number == 5 else 2) for p in row["paper_p"]]
+        lines += entries.two_lines(task, ours, papers)
     columns = tuple(f"{method_label(rule)} vs NEAT" for rule in rules)
     return _table(number, title, columns, lines, marks, frame, campaign, setting, (*rules, "neat"))
 
@@ -195,12 +193,12 @@ def _means(
 ) -> Table:
     """A table whose entries are printed by `entry`; table `values` has the paper's means."""
     comparisons = compare(campaign, setting, values, methods)
-    marks = _marks(each.here.incomplete for each in comparisons)
+    marks = entries.marks(each.here.incomplete for each in comparisons)
     lines = []
     for task in campaign.configuration.budget.tasks:
         row = [each for each in comparisons if each.task == task]
-        ours = [_mark(entry(each.here), marks.get(each.here.incomplete)) for each in row]
-        lines += _two_lines(task, ours, [entry(each.paper) for each in row])
+        ours = [entries.marked(entry(each.here), marks.get(each.here.incomplete)) for each in row]
+        lines += entries.two_lines(task, ours, [entry(each.paper) for each in row])
     frame = pd.DataFrame([_flat(each) for each in comparisons])
     frame = frame.astype({"population": "Int64", "paper_population": "Int64"})
     columns = tuple(method_label(method) for method in methods)
@@ -253,27 +251,6 @@ def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
     ]
 
 
-def _marks(reasons: Iterable[str]) -> dict[str, str]:
-    """A letter for each reason why a value is incomplete: (a) to (z), then (aa) and so on."""
-    distinct = dict.fromkeys(reason for reason in reasons if reason)
-    letters = len(ascii_lowercase)
-    return {
-        reason: f"({ascii_lowercase[i % letters] * (i // letters + 1)})"
-        for i, reason in enumerate(distinct)
-    }
-
-
-def _mark(entry: Entry, mark: str | None) -> Entry:
-    return Entry(f"{entry.text} {mark}", entry.emphasis) if mark else entry
-
-
-def _two_lines(task: str, ours: Sequence[Entry], papers: Sequence[Entry]) -> list[Line]:
-    return [
-        Line(task_label(task), tuple(ours), is_paper=False),
-        Line("paper", tuple(papers), is_paper=True),
-    ]
-
-
 def _flat(comparison: Comparison) -> dict[str, object]:
     return {
         "task": comparison.task,
@@ -281,36 +258,3 @@ def _flat(comparison: Comparison) -> dict[str, object]:
         **asdict(comparison.here),
         **{f"paper_{name}": value for name, value in asdict(comparison.paper).items()},
     }
-
-
-def _fitness(summary: Summary) -> Entry:
-    """324.34 ± 3.86, as Table 1 prints it."""
-    return _mean_sd(summary, lambda value: f"{value:.2f}")
-
-
-def _score(summary: Summary) -> Entry:
-    """0.451 ± 0.0122: three significant figures, as in Table 2."""
-    return _mean_sd(summary, lambda value: f"{value:#.3g}".rstrip("."))
-
-
-def _mean_sd(summary: Summary, number: Callable[[float], str]) -> Entry:
-    if math.isnan(summary.mean):
-        return Entry(NOTHING)
-    sd = NOTHING if math.isnan(summary.sd) else number(summary.sd)
-    return Entry(f"{number(summary.mean)} ± {sd}", summary.rank)
-
-
-def _setting(summary: Summary) -> Entry:
-    """pop=300, lr=0.25, as Table 3 prints it."""
-    if summary.population is None:
-        return Entry(NOTHING)
-    rate = "" if summary.learning_rate is None else f", lr={summary.learning_rate:g}"
-    return Entry(f"pop={summary.population}{rate}")
-
-
-def _p(p: float, decimals: int) -> Entry:
-    """1.20e-8, bold below 0.05."""
-    if math.isnan(p):
-        return Entry(NOTHING)
-    digits, exponent = f"{p:.{decimals}e}".split("e")
-    return Entry(f"{digits}e{int(exponent)}", "best" if p < ALPHA else "")

@@ -10,7 +10,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 
-from neol.analysis.labels import method_label, task_label
+from neol.analysis.labels import drawn, method_label, task_label
 from neol.analysis.style import GREY, WIDTH, drawing
 from neol.champions.graph import Edge, graph
 from neol.champions.names import names
@@ -278,4 +278,4 @@ def _largest(values: Floats) -> float:
 
 
 def _number(value: float, digits: int = 1) -> str:
-    return f"{value:.{digits}f}".replace("-", "−")
+    return drawn(f"{value:.{digits}f}")

@@ -20,7 +20,6 @@ from neol.analysis.statistics import ALPHA
 from neol.analysis.table import Table
 from neol.analysis.tables import (
     CHOSEN_OF_FOUR,
-    _marks,
     lead_over_neat,
     table1,
     table2,
@@ -132,12 +131,6 @@ def test_the_notes_on_contradictions_say_what_the_paper_prints() -> None:
     assert round(0.745 * PAPER_SAMPLES / (PAPER_GENERATIONS * PAPER_POPULATION)) == 497
     assert scores["cartpole", "neat"][0] < 0.745 < scores["cartpole", "hebb"][0]
     assert ablation["bipedal_walker", "hebb"][0] < ablation["bipedal_walker", "neat_wo"][0]
-
-
-def test_every_reason_has_a_mark_of_its_own() -> None:
-    marks = _marks(["", *(f"without seeds {seed}" for seed in range(53))])
-    assert len(set(marks.values())) == 53
-    assert [*marks.values()][::26] == ["(a)", "(aa)", "(aaa)"]
 
 
 def test_how_often_the_best_of_four_cells_seems_better_than_an_equal() -> None:
