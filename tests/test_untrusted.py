@@ -19,7 +19,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from neol import checkpoint, manifest, spec
+from neol import checkpoint, spec
 from neol.analysis.claims import CLAIMS, load_claims
 from neol.checkpoint import Cost
 from neol.columns import SCHEMA
@@ -29,11 +29,12 @@ from neol.plain_yaml import parse_yaml
 from neol.records import read_record, read_spec
 from neol.spec import CONFIG, ROOT, load_configuration
 from neol.trace import trace
-from neol.verify import Verification
-from tests.planted_errors import OJA, make_campaign, patch_budget
+from neol.verification import manifest
+from neol.verification.check import Verification
 from tests.test_checkpoint import started
 from tests.test_evolution import run_spec
 from tests.test_records import forge
+from tests.verification.planted_errors import OJA, make_campaign, patch_budget
 
 EXAMPLES = int(os.environ.get("NEOL_FUZZ", "60"))
 fuzz = settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck))

@@ -10,14 +10,14 @@ import typer
 from neol.cli.application import DISAGREES, app, examples
 
 if TYPE_CHECKING:
-    from neol.verify import Finding
-    from neol.verify_replay import Run
+    from neol.verification.check import Finding
+    from neol.verification.replays import Run
 
 
 @app.command(epilog=examples("neol manifest results/demo"))
 def manifest(folder: Annotated[Path, typer.Argument(help="Of one budget's records.")]) -> None:
     """Write FOLDER/manifest.json anew: the records below it, their digests, what made them."""
-    from neol.manifest import NAME, write_manifest
+    from neol.verification.manifest import NAME, write_manifest
 
     written = write_manifest(folder)
     print(f"{folder / NAME}: {len(written.records)} records")
@@ -45,7 +45,7 @@ def verify(
 ) -> None:
     """Check records: schema, digests, rows, place, manifest; and repeat runs of them."""
     from neol.progress import Display
-    from neol.verify import Verification
+    from neol.verification.check import Verification
 
     verification = Verification(paths)
     findings: list[Finding] = []
@@ -73,32 +73,30 @@ def verify(
 
 def _repeat(
     runs: "Iterable[Run]",
-    replays: int,
+    replay: int,
     generations: int,
     champions: int,
     seed: int,
     findings: "list[Finding]",
 ) -> str:
     """Repeat what is drawn of the runs and compare; what was repeated, and how to do it again."""
-    from neol import verify_replay
     from neol.errors import UserError
     from neol.progress import Display
-    from neol.verify import Finding
+    from neol.verification import replays
+    from neol.verification.check import Finding
 
     runs = list(runs)
-    drawn = [(run, False) for run in verify_replay.draw(runs, replays, seed)]
-    drawn += [(run, True) for run in verify_replay.draw(runs, champions, seed + 1)]
+    drawn = [(run, False) for run in replays.draw(runs, replay, seed)]
+    drawn += [(run, True) for run in replays.draw(runs, champions, seed + 1)]
     done = []
     for number, (run, champion) in enumerate(drawn, 1):
         try:
             with Display() as display:
                 display.show(f"replay {number} of {len(drawn)}")
                 done.append(
-                    verify_replay.replay_champion(run)
-                    if champion
-                    else verify_replay.replay(run, generations)
+                    replays.replay_champion(run) if champion else replays.replay(run, generations)
                 )
-            found = list(verify_replay.findings(done[-1:]))
+            found = list(replays.findings(done[-1:]))
         except UserError as error:
             found = [Finding(run[0], f"cannot be repeated: {error}", run[1])]
         for finding in found:
@@ -106,7 +104,7 @@ def _repeat(
         findings += found
     whole = [each.generations for each in done if each.generations]
     parts = []
-    if replays:
+    if replay:
         parts.append(f"{_count(len(whole), 'run')} repeated, {_count(sum(whole), 'generation')}")
     if champions:
         played = len(done) - len(whole)

@@ -7,9 +7,9 @@ import pandas as pd
 
 from neol.champions.player import Player, load_champion
 from neol.errors import UserError
-from neol.manifest import records_below
 from neol.record import Record
 from neol.records import read_record
+from neol.verification.manifest import records_below
 
 
 def find_records(results: Path) -> list[str]:

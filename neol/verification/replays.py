@@ -21,7 +21,7 @@ from neol.record import Champion, HeldOut, Record, SeedInfo
 from neol.records import read_record
 from neol.rollout import make_engine
 from neol.rollout.reference import network_size
-from neol.verify import ROUNDING, Finding
+from neol.verification.check import ROUNDING, Finding
 
 Run = tuple[Path, int]
 """A record and one of its seeds."""

@@ -11,12 +11,12 @@ from typer.testing import CliRunner, Result
 from neol.cli import app
 from neol.errors import UserError
 from neol.jobs import jobs
-from neol.manifest import NAME, read_manifest, write_manifest
 from neol.rollout.reference import network_size
 from neol.run import run_block
 from neol.spec import load_configuration
-from neol.verify import SIZES
-from neol.verify_replay import (
+from neol.verification.check import SIZES
+from neol.verification.manifest import NAME, read_manifest, write_manifest
+from neol.verification.replays import (
     LIBM_DIGEST,
     Difference,
     Replay,
@@ -26,7 +26,9 @@ from neol.verify_replay import (
     libm_digest,
     machine_differences,
 )
-from tests.planted_errors import (
+from tests.test_digests import SAME_LAST_BITS
+from tests.test_records import forge
+from tests.verification.planted_errors import (
     HEBB,
     MADE_BY,
     NEAT,
@@ -37,8 +39,6 @@ from tests.planted_errors import (
     patch_budget,
     seal_spec,
 )
-from tests.test_digests import SAME_LAST_BITS
-from tests.test_records import forge
 
 OTHER = MADE_BY.model_copy(
     update={"libc": "musl 1.2", "versions": MADE_BY.versions | {"numba": "2"}}
@@ -100,8 +100,8 @@ def replayed(*differences: Difference, made_by: object = MADE_BY, **changes: obj
 def test_what_a_difference_means(
     replay: Replay, meaning: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("neol.verify_replay.provenance", lambda: MADE_BY)
-    monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: LIBM_DIGEST)
+    monkeypatch.setattr("neol.verification.replays.provenance", lambda: MADE_BY)
+    monkeypatch.setattr("neol.verification.replays.libm_digest", lambda: LIBM_DIGEST)
     (finding,) = findings([replay])
     assert finding.meaning.startswith(meaning)
 
@@ -110,11 +110,11 @@ def test_the_same_machine_has_no_differences_though_its_cores_are_others(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("platform.machine", lambda: "x86_64")
-    monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: LIBM_DIGEST)
+    monkeypatch.setattr("neol.verification.replays.libm_digest", lambda: LIBM_DIGEST)
     here = MADE_BY.model_copy(update={"cpu": "64 x some CPU", "host": "there"})
     assert machine_differences(MADE_BY, here) == ""
     assert machine_differences(MADE_BY.model_copy(update={"versions": {}}), here) == ""
-    monkeypatch.setattr("neol.verify_replay.libm_digest", lambda: "")
+    monkeypatch.setattr("neol.verification.replays.libm_digest", lambda: "")
     assert machine_differences(MADE_BY, here).startswith("sine or tanh is glibc's")
 
 
@@ -247,8 +247,8 @@ def test_runs_and_champions_are_drawn_apart(
 
         return play
 
-    monkeypatch.setattr("neol.verify_replay.replay", note(0))
-    monkeypatch.setattr("neol.verify_replay.replay_champion", note(1))
+    monkeypatch.setattr("neol.verification.replays.replay", note(0))
+    monkeypatch.setattr("neol.verification.replays.replay_champion", note(1))
     neol("verify", campaign, "--replay", 4, "--replay-champions", 4, "--seed", 0)
     assert drawn[0] != drawn[1]
 

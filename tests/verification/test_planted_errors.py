@@ -1,6 +1,6 @@
 """Planted errors: every kind is found, by the check that the table in the docs names.
 
-`python -m tests.test_planted_errors` writes that table anew.
+`python -m tests.verification.test_planted_errors` writes that table anew.
 """
 
 import contextlib
@@ -17,8 +17,15 @@ from typer.testing import CliRunner
 
 from neol.cli import app
 from neol.spec import ROOT
-from tests.planted_errors import MADE_BY, OJA, PLANTS, Plant, make_campaign, patch_budget
 from tests.test_digests import SAME_LAST_BITS
+from tests.verification.planted_errors import (
+    MADE_BY,
+    OJA,
+    PLANTS,
+    Plant,
+    make_campaign,
+    patch_budget,
+)
 
 PAGE = ROOT / "docs" / "planted-errors.md"
 TABLE = re.compile(r"(?<=<!-- planted errors -->\n).*(?=<!-- end -->)", re.DOTALL)
@@ -40,7 +47,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 def _campaign(parent: Path) -> Iterator[Path]:
     """A small campaign, from one machine that is always the same and that replays it too."""
     with contextlib.ExitStack() as stack:
-        for module in ("neol.run", "neol.verify_replay"):
+        for module in ("neol.run", "neol.verification.replays"):
             stack.enter_context(mock.patch(f"{module}.provenance", return_value=MADE_BY))
         stack.enter_context(patch_budget())
         make_campaign(parent / "original")

@@ -5,15 +5,15 @@ from collections.abc import Iterable, Iterator
 from functools import cache, partial
 from pathlib import Path
 
-from neol import manifest
 from neol.campaign import RESULTS
 from neol.errors import UserError
 from neol.files import files_below
 from neol.jobs import SENSITIVITY, Job, jobs
-from neol.manifest import Entry, read_manifest
 from neol.record import Record
 from neol.records import first_difference
 from neol.spec import budgets, load_configuration
+from neol.verification import manifest
+from neol.verification.manifest import Entry, read_manifest
 
 
 def absolute(path: Path) -> Path:

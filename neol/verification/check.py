@@ -2,7 +2,7 @@
 
 What a budget has in a folder with a manifest is listed once and takes longer.
 
-`neol.verify_replay` repeats runs, `neol.verify_place` knows manifests.
+`neol.verification.replays` repeats runs, `neol.verification.places` knows manifests.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from neol import manifest
 from neol.errors import UserError
 from neol.files import read_bounded
 from neol.jobs import SENSITIVITY
-from neol.manifest import records_below
 from neol.record import HeldOut, Record, SeedInfo
 from neol.records import MAX_BYTES, parse_record
 from neol.spec import RunSpec
-from neol.verify_place import Budgets, ManifestFolders, absolute
+from neol.verification import manifest
+from neol.verification.manifest import records_below
+from neol.verification.places import Budgets, ManifestFolders, absolute
 
 ROUNDING = 1e-9
 """Relative: what is smaller may come from adding up in another order."""

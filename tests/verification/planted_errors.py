@@ -19,12 +19,12 @@ import pyarrow.parquet as pq
 from neol.campaign import RESULTS, blocks, run_specs
 from neol.errors import UserError
 from neol.jobs import Job, jobs
-from neol.manifest import NAME, Entry, write_manifest
 from neol.provenance import Provenance
 from neol.record import HeldOut
 from neol.records import read_record, write_record
 from neol.run import run_block
 from neol.spec import canonical_json, load_configuration
+from neol.verification.manifest import NAME, Entry, write_manifest
 from tests.test_records import forge
 
 Json = dict[str, Any]
@@ -66,7 +66,7 @@ def make_campaign(folder: Path) -> None:
 
 def patch_budget() -> Any:
     """Let the budget be these three records and a study of two trials; a context manager."""
-    return mock.patch("neol.verify_place.jobs", lambda asked: _few(asked.budget.name))
+    return mock.patch("neol.verification.places.jobs", lambda asked: _few(asked.budget.name))
 
 
 @cache
