@@ -47,7 +47,7 @@ class Finished:
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class JobStatus:
     """How far a job is."""
 
     job: Job
@@ -91,37 +91,37 @@ class Folder:
         self._jobs = list(jobs(configuration, path.parent))
         self._read: dict[Path, tuple[tuple[int, int], tuple[Finished, ...]]] = {}
 
-    def look(self) -> list[Standing]:
+    def look(self) -> list[JobStatus]:
         """How far each job is now."""
         return [self._look(job) for job in self._jobs]
 
-    def _look(self, job: Job) -> Standing:
-        standing = self._standing(job)
-        if standing.state in ("interrupted", "missing") and (reason := _failure(job.log)):
-            return replace(standing, state="failed", reason=reason)
-        return standing
+    def _look(self, job: Job) -> JobStatus:
+        status = self._status(job)
+        if status.state in ("interrupted", "missing") and (reason := _failure(job.log)):
+            return replace(status, state="failed", reason=reason)
+        return status
 
-    def _standing(self, job: Job, looks: int = 3) -> Standing:
+    def _status(self, job: Job, looks: int = 3) -> JobStatus:
         partial = partial_folder(job.record)
         try:
             if job.record.exists():
                 finished = self._runs(job.record, job)
-                return Standing(job, "missing" if _unfinished(job, finished) else "done", finished)
+                return JobStatus(job, "missing" if _unfinished(job, finished) else "done", finished)
             if not partial.exists():
-                return Standing(job, "missing")
+                return JobStatus(job, "missing")
             paths = [finished_path(partial, seed) for seed in job.seeds]
             finished = tuple(r for path in paths if path.exists() for r in self._runs(path, job))
         except FileNotFoundError as error:  # done since: its runs have moved to its record
             if looks == 1:
-                return Standing(job, "failed", reason=f"{error.filename}: comes and goes")
-            return self._standing(job, looks - 1)
+                return JobStatus(job, "failed", reason=f"{error.filename}: comes and goes")
+            return self._status(job, looks - 1)
         except UserError as error:
-            return Standing(job, "failed", reason=str(error))
+            return JobStatus(job, "failed", reason=str(error))
         if not (unfinished := _unfinished(job, finished)):
-            return Standing(job, "done", finished)
+            return JobStatus(job, "done", finished)
         generation = checkpoint.generations(checkpoint_path(partial, unfinished[0]))
         state: State = "running" if is_running(partial) else "interrupted"
-        return Standing(job, state, finished, generation)
+        return JobStatus(job, state, finished, generation)
 
     def _runs(self, path: Path, job: Job) -> tuple[Finished, ...]:
         """The runs of a record. Raises UserError where it cannot be used."""
@@ -199,10 +199,10 @@ class Row:
 class Status:
     """Where a campaign stands."""
 
-    def __init__(self, standings: Sequence[Standing]) -> None:
-        self.standings = standings
+    def __init__(self, statuses: Sequence[JobStatus]) -> None:
+        self.statuses = statuses
         self.finished = sorted(
-            (run for standing in standings for run in standing.finished), key=lambda run: run.time
+            (run for status in statuses for run in status.finished), key=lambda run: run.time
         )
         self._seconds: defaultdict[tuple[object, ...], float] = defaultdict(float)
         self._episodes: Counter[tuple[object, ...]] = Counter()
@@ -211,16 +211,16 @@ class Status:
                 self._seconds[key] += run.cpu_seconds
                 self._episodes[key] += _episodes(run.spec)
 
-    def of(self, state: State) -> list[Standing]:
+    def of(self, state: State) -> list[JobStatus]:
         """The jobs whose next run is in a state."""
-        return [standing for standing in self.standings if standing.state == state]
+        return [status for status in self.statuses if status.state == state]
 
     def states(self, *, sensitivity: bool = False) -> Counter[State]:
         """How many runs are in each state: those of the grid, or those of the sensitivity study."""
         counts = Counter[State]()
-        for standing in self.standings:
-            if (standing.job.part == SENSITIVITY) == sensitivity:
-                counts += standing.states
+        for status in self.statuses:
+            if (status.job.part == SENSITIVITY) == sensitivity:
+                counts += status.states
         return counts
 
     @property
@@ -233,18 +233,18 @@ class Status:
     def cells(self) -> tuple[int, int]:
         """How many cells of the grid are done, and how many there are."""
         cells: dict[Path, bool] = {}
-        for standing in self.standings:
-            if standing.job.part != SENSITIVITY:
-                cell = standing.job.record.parent
-                cells[cell] = cells.get(cell, True) and standing.state == "done"
+        for status in self.statuses:
+            if status.job.part != SENSITIVITY:
+                cell = status.job.record.parent
+                cells[cell] = cells.get(cell, True) and status.state == "done"
         return sum(cells.values()), len(cells)
 
     @cached_property
     def rows(self) -> list[Row]:
         """The table: tasks and methods in the order of the budget, its sensitivity study last."""
-        groups: dict[tuple[str, str], list[Standing]] = {}
-        for standing in self.standings:
-            groups.setdefault((standing.job.spec.task.name, standing.job.part), []).append(standing)
+        groups: dict[tuple[str, str], list[JobStatus]] = {}
+        for status in self.statuses:
+            groups.setdefault((status.job.spec.task.name, status.job.part), []).append(status)
         return [self._row(task, part, group) for (task, part), group in groups.items()]
 
     @property
@@ -258,13 +258,13 @@ class Status:
             return None
         return 3600.0 * sum(filter(None, hours)) / cores
 
-    def _row(self, task: str, part: str, group: Sequence[Standing]) -> Row:
-        states = sum((standing.states for standing in group), Counter[State]())
+    def _row(self, task: str, part: str, group: Sequence[JobStatus]) -> Row:
+        states = sum((status.states for status in group), Counter[State]())
         seconds, worst = 0.0, -1
-        for standing in group:
-            if standing.runs_left:
-                cost, basis = self._cost(standing.job.spec)
-                seconds += standing.runs_left * cost
+        for status in group:
+            if status.runs_left:
+                cost, basis = self._cost(status.job.spec)
+                seconds += status.runs_left * cost
                 worst = max(worst, basis)
         known = worst < len(BASES)
         return Row(

@@ -17,7 +17,7 @@ from neol.partial import finished_path, partial_folder
 from neol.record import join
 from neol.records import write_record
 from neol.run import run_block
-from neol.status import BASES, Folder, Row, Standing, Status
+from neol.status import BASES, Folder, JobStatus, Row, Status
 from tests.analysis import made_up
 from tests.test_run import killer
 
@@ -37,7 +37,7 @@ def job(folder: Folder, task: str = "cartpole", part: str = "hebb", place: int =
     ]
 
 
-def standing(folder: Folder, of: Job) -> Standing:
+def status_of(folder: Folder, of: Job) -> JobStatus:
     return next(s for s in folder.look() if s.job.record == of.record)
 
 
@@ -123,7 +123,7 @@ def test_a_block_under_way(folder: Folder) -> None:
     this, seen = job(folder), []
 
     def look(seed: int, generation: object) -> None:
-        seen.append(standing(folder, this))
+        seen.append(status_of(folder, this))
         killer(1, 2, KeyboardInterrupt)(seed, generation)  # type: ignore[arg-type]
 
     this.record.parent.mkdir(parents=True)
@@ -135,7 +135,7 @@ def test_a_block_under_way(folder: Folder) -> None:
     assert [(s.seed, s.generation) for s in seen] == [(0, 1), (0, 2), (1, 1), (1, 2)]
     assert seen[2].states == {"done": 1, "running": 1, "missing": 1}
     assert seen[2].runs_left == 1.5
-    assert standing(folder, this).states == {"done": 1, "interrupted": 1, "missing": 1}
+    assert status_of(folder, this).states == {"done": 1, "interrupted": 1, "missing": 1}
 
 
 def test_a_block_that_ends_during_the_look(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,7 +153,7 @@ def test_a_block_that_ends_during_the_look(folder: Folder, monkeypatch: pytest.M
         return there
 
     monkeypatch.setattr(Path, "exists", end)
-    assert standing(folder, this).states == {"done": 3}
+    assert status_of(folder, this).states == {"done": 3}
 
 
 def test_a_record_that_comes_and_goes(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -163,7 +163,7 @@ def test_a_record_that_comes_and_goes(folder: Folder, monkeypatch: pytest.Monkey
     this = job(folder)
     finish(this)
     monkeypatch.setattr(module, "read_footer", vanish)
-    assert standing(folder, this).reason == f"{this.record}: comes and goes"
+    assert status_of(folder, this).reason == f"{this.record}: comes and goes"
 
 
 @pytest.mark.parametrize(
@@ -182,10 +182,10 @@ def test_a_record_that_comes_and_goes(folder: Folder, monkeypatch: pytest.Monkey
 def test_a_log_that_ends_in_an_error(folder: Folder, text: str, reason: str) -> None:
     this = job(folder)
     log(this, text)
-    assert standing(folder, this).reason == reason
-    assert standing(folder, this).state == ("failed" if reason else "missing")
+    assert status_of(folder, this).reason == reason
+    assert status_of(folder, this).state == ("failed" if reason else "missing")
     finish(this)
-    assert standing(folder, this).states == {"done": 3}
+    assert status_of(folder, this).states == {"done": 3}
 
 
 def test_each_trial_has_a_log_of_its_own(folder: Folder) -> None:
@@ -205,17 +205,17 @@ def test_a_time_that_is_none_fails_its_job_only(folder: Folder) -> None:
     this.record.parent.mkdir(parents=True)
     changed = (info.model_copy(update={"provenance": foreign}),)
     write_record(this.record, dataclasses.replace(record, seeds=changed))
-    assert "'yesterday' is no time" in standing(folder, this).reason
-    assert standing(folder, other).state == "done"
+    assert "'yesterday' is no time" in status_of(folder, this).reason
+    assert status_of(folder, other).state == "done"
 
 
 def test_a_record_that_cannot_be_used_has_failed(folder: Folder) -> None:
     this, other = job(folder), job(folder, place=1)
     finish(other, output=this.record)
-    assert "of another specification: plasticity.learning_rate" in standing(folder, this).reason
+    assert "of another specification: plasticity.learning_rate" in status_of(folder, this).reason
     this.record.write_bytes(b"no record")
-    assert standing(folder, this).state == "failed"
-    assert "seeds_000-002.parquet: damaged" in standing(folder, this).reason
+    assert status_of(folder, this).state == "failed"
+    assert "seeds_000-002.parquet: damaged" in status_of(folder, this).reason
 
 
 def test_a_record_is_read_once(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,7 +255,7 @@ def test_looking_changes_nothing(folder: Folder) -> None:
             yield path, path.stat().st_mtime_ns, path.read_bytes() if path.is_file() else b""
 
     before = list(tree())
-    assert standing(folder, this).state == "interrupted"
+    assert status_of(folder, this).state == "interrupted"
     assert list(tree()) == before
 
 

@@ -28,7 +28,7 @@ LETTERS = string.ascii_uppercase
 
 
 @dataclass(frozen=True)
-class Contestant:
+class Compared:
     """Runs of one configuration."""
 
     letter: str
@@ -56,23 +56,23 @@ class Contestant:
         return table.pivot_table(index="generation", columns="seed", values="best_fitness")
 
 
-def contestants(paths: Sequence[Path]) -> list[Contestant]:
+def read_compared(paths: Sequence[Path]) -> list[Compared]:
     """The runs that each path names, which must be of one configuration (UserError)."""
     if len(paths) > len(LETTERS):
         raise UserError(f"{len(paths)} are too many to compare; name at most {len(LETTERS)}")
     return [
-        Contestant(letter, path, _read(path)) for letter, path in zip(LETTERS, paths, strict=False)
+        Compared(letter, path, _read(path)) for letter, path in zip(LETTERS, paths, strict=False)
     ]
 
 
-def differences(compared: Sequence[Contestant]) -> dict[str, list[str]]:
+def differences(compared: Sequence[Compared]) -> dict[str, list[str]]:
     """The constants that are not the same for all, each with its values."""
     constants = [_flat(each.spec.without_seed()) for each in compared]
     values = {key: [str(each[key]) for each in constants] for key in constants[0]}
     return {key: each for key, each in values.items() if len(set(each)) > 1}
 
 
-def outcomes(compared: Sequence[Contestant]) -> dict[str, list[str]]:
+def outcomes(compared: Sequence[Compared]) -> dict[str, list[str]]:
     """What the runs came to, each outcome with its mean over seeds and 95% interval.
 
     SCORE is there where all are runs of the same budget, which gives it its unit.
@@ -93,7 +93,7 @@ def outcomes(compared: Sequence[Contestant]) -> dict[str, list[str]]:
     return rows
 
 
-def learning_curves(compared: Sequence[Contestant]) -> Figure:
+def learning_curves(compared: Sequence[Compared]) -> Figure:
     """Best fitness over generations, a panel for each task."""
     tasks = list(dict.fromkeys(each.spec.task.name for each in compared))
     methods = [each.spec.method for each in compared]
@@ -147,7 +147,7 @@ def _held_out(info: SeedInfo) -> float:
     return math.nan if info.held_out.mean is None else info.held_out.mean
 
 
-def _score_samples(compared: Sequence[Contestant]) -> list[float]:
+def _score_samples(compared: Sequence[Compared]) -> list[float]:
     """M for each, in the budget that all runs are of; none where they are not whole runs of one."""
     names = {each.record.budget for each in compared}
     name = names.pop()

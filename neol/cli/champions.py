@@ -121,13 +121,13 @@ def compare(
     from rich.console import Console
     from rich.table import Table
 
-    from neol.analysis.comparison import contestants, differences, learning_curves, outcomes
+    from neol.analysis.comparison import differences, learning_curves, outcomes, read_compared
     from neol.analysis.style import picture_kind, write_picture
 
     if output:
         picture_kind(output)
         _check_output(output)
-    compared = contestants(records)
+    compared = read_compared(records)
     table = Table("", *(each.letter for each in compared), box=None, pad_edge=False)
     for name, values in (differences(compared) | outcomes(compared)).items():
         table.add_row(name, *values)

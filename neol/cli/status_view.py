@@ -9,7 +9,7 @@ from rich.text import Text
 
 from neol.progress import duration
 from neol.spec import RunSpec
-from neol.status import STATES, Finished, Standing, Status
+from neol.status import STATES, Finished, JobStatus, Status
 
 LISTED = 5
 """As many entries of a list are shown."""
@@ -95,12 +95,12 @@ def _latest(run: Finished) -> str:
     return f"{_name(run.spec, run.spec.seed)}: best {run.best_fitness:.1f}{held_out}, {ago} ago"
 
 
-def _under_way(standing: Standing) -> str:
-    spec = standing.job.spec
-    name = _name(spec, standing.seed)
-    return f"{name}: generation {standing.generation} of {spec.generations}"
+def _under_way(status: JobStatus) -> str:
+    spec = status.job.spec
+    name = _name(spec, status.seed)
+    return f"{name}: generation {status.generation} of {spec.generations}"
 
 
-def _failed(standing: Standing) -> str:
-    log = f" ({standing.job.log})" if standing.job.log.exists() else ""
-    return f"{_name(standing.job.spec, standing.seed)}: {standing.reason}{log}"
+def _failed(status: JobStatus) -> str:
+    log = f" ({status.job.log})" if status.job.log.exists() else ""
+    return f"{_name(status.job.spec, status.seed)}: {status.reason}{log}"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from neol.analysis.comparison import contestants, differences, learning_curves, outcomes
+from neol.analysis.comparison import differences, learning_curves, outcomes, read_compared
 from neol.analysis.score import samples, score
 from neol.campaign import cells
 from neol.errors import UserError
@@ -35,7 +35,7 @@ def paths(tmp_path: Path) -> list[Path]:
 
 
 def test_outcomes_are_means_over_seeds_with_intervals(paths: list[Path]) -> None:
-    rows = outcomes(contestants(paths))
+    rows = outcomes(read_compared(paths))
     assert rows["runs"] == ["3", "3"]
     low, high = stats.t.interval(0.95, 2, loc=30.0, scale=stats.sem(FINAL["bcm"]))
     assert rows["final best fitness"][0] == f"30.0 [{low:.1f}, {high:.1f}]"
@@ -43,26 +43,26 @@ def test_outcomes_are_means_over_seeds_with_intervals(paths: list[Path]) -> None
 
 
 def test_score_is_that_of_the_budget(paths: list[Path], tmp_path: Path) -> None:
-    assert "SCORE" not in outcomes(contestants(paths)), "not as many generations as the budget"
+    assert "SCORE" not in outcomes(read_compared(paths)), "not as many generations as the budget"
     budget = load_configuration("smoke").budget
     generations = budget.generations_of("cartpole")
-    whole = contestants(written(tmp_path / "whole", generations))
+    whole = read_compared(written(tmp_path / "whole", generations))
     divisor = samples(generations, max(budget.populations))
     scores = [score([end + 2, end + 1, end], 6, divisor) for end in FINAL["neat"]]
     assert outcomes(whole)["SCORE"][1].startswith(f"{np.mean(scores):.3f} [")
 
 
 def test_only_what_differs_is_named(paths: list[Path]) -> None:
-    found = differences(contestants(paths))
+    found = differences(read_compared(paths))
     assert found["method"] == ["bcm", "neat"]
     assert set(found) == {
         "method", "plasticity.rule", "plasticity.learning_rate", "neat.weight_mutation"
     }  # fmt: skip
-    assert differences(contestants([paths[0], paths[0]])) == {}
+    assert differences(read_compared([paths[0], paths[0]])) == {}
 
 
 def test_curves_are_means_over_seeds(paths: list[Path]) -> None:
-    (axes,) = learning_curves(contestants(paths)).axes
+    (axes,) = learning_curves(read_compared(paths)).axes
     bcm, neat = axes.lines
     assert bcm.get_ydata().tolist() == [31.0, 30.0]
     assert neat.get_ydata().tolist() == [4.0, 3.0]
@@ -71,21 +71,21 @@ def test_curves_are_means_over_seeds(paths: list[Path]) -> None:
     assert bcm.get_color() != neat.get_color()
 
 
-def test_contestants_of_one_method_look_different(paths: list[Path]) -> None:
-    lines = learning_curves(contestants([paths[0]] * 8)).axes[0].lines
+def test_records_of_one_method_look_different(paths: list[Path]) -> None:
+    lines = learning_curves(read_compared([paths[0]] * 8)).axes[0].lines
     assert len({(line.get_color(), line.get_marker()) for line in lines}) == 8
 
 
 def test_a_folder_must_hold_one_configuration(paths: list[Path], tmp_path: Path) -> None:
     with pytest.raises(UserError, match="holds no records"):
-        contestants([tmp_path])
+        read_compared([tmp_path])
     mixed = tmp_path / "mixed"
     mixed.mkdir()
     for number, path in enumerate(paths):
         (record,) = path.glob("*.parquet")
         (mixed / f"{number}.parquet").write_bytes(record.read_bytes())
     with pytest.raises(UserError, match="of several configurations"):
-        contestants([mixed])
+        read_compared([mixed])
     (mixed / "1.parquet").write_bytes((mixed / "0.parquet").read_bytes())
     with pytest.raises(UserError, match="hold a seed twice"):
-        contestants([mixed])
+        read_compared([mixed])
