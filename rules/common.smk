@@ -107,7 +107,7 @@ def code(*, draws):
 def ask_otherwise(wildcards):
     """Refuse what another budget shows, and say what to ask for."""
     path = Path(wildcards.elsewhere)
-    other = re.fullmatch(f"({'|'.join(budgets())})(?:-(.+))?", path.parent.name)
+    other = re.fullmatch(f"figures/({'|'.join(budgets())})(?:-(.+))?", str(path.parent))
     if other and path.parent.name not in (LABEL, SHOWN_BUDGET):
         budget, tasks = other.groups()
         options = f"budget={budget}" + (f" tasks={tasks}" if tasks else "")

@@ -154,8 +154,8 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
         ),
         (["figures/table1.tex", "--config", "budget=paper"], "ask for figures/paper/table1.tex"),
         (
-            ["paper/reproduction.pdf", "--config", "budget=paper"],
-            "ask for figures/paper/reproduction.pdf",
+            ["paper/reproduction.pdf", "--config", "budget=demo"],
+            "ask for figures/demo/reproduction.pdf",
         ),
         (["figures/paper/table1.tex"], "needs --config budget=paper"),
         (["figures/paper-hopper/table1.tex"], "needs --config budget=paper tasks=hopper"),
