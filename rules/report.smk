@@ -1,4 +1,8 @@
-"""What is told of the results: the page figures/report.html, and the paper paper/reproduction.pdf, which needs LaTeX."""
+"""What is told of the results.
+
+The page figures/report.html; the paper paper/reproduction.pdf, which needs LaTeX; and docs/results.md, of which the
+repository has that of the largest budget whose runs are there.
+"""
 
 REPORT = f"{FIGURES}/report.html"
 PAPER = f"{'paper' if FIGURES == 'figures' else FIGURES}/reproduction.pdf"
@@ -63,11 +67,36 @@ rule report_page:
         "python -m neol.report.page {params.budget} --tasks '{params.tasks}' {params.figures} {params.champions} {output} > {log} 2>&1"
 
 
+rule results_page:
+    input:
+        shown=NUMBERS,
+        picture=f"{FIGURES}/figure2.png",
+        code=sorted(glob("neol/report/*")),
+    output:
+        page="docs/results.md",
+        picture="docs/results.png",
+    log:
+        f"logs/{LABEL}/results_page.log",
+    benchmark:
+        f"logs/{LABEL}/results_page.tsv"
+    conda:
+        "../environment.yml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        budget=BUDGET,
+        tasks=TASKS,
+        figures=lambda wildcards, input: Path(input.picture).parent,
+    shell:
+        "python -m neol.report.results {params.budget} --tasks '{params.tasks}' {params.figures} {output.page} > {log} 2>&1"
+
+
 rule paper_numbers:
     input:
         shown=NUMBERS,
         metadata="pyproject.toml",
-        code=["neol/report/numbers.py", "neol/report/costs.py"],
+        code=sorted(glob("neol/report/*.py")),
     output:
         f"build/{LABEL}/paper/results.tex",
     log:

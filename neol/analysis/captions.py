@@ -39,9 +39,11 @@ def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:
 def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
     """Number and length of episodes, for captions that concern some of a budget's tasks, or all."""
     episodes = configuration.evaluation.episodes
-    steps = ", ".join(
-        f"{configuration.tasks[task].max_steps} ({task_label(task)})"
-        for task in tasks or configuration.budget.tasks
+    steps = by_task(
+        {
+            task: str(configuration.tasks[task].max_steps)
+            for task in tasks or configuration.budget.tasks
+        }
     )
     return f"N = {episodes} episode{'s' * (episodes > 1)} per evaluation of at most {steps} steps"
 

@@ -33,7 +33,7 @@ from pydantic import Field, ValidationError
 
 from neol.analysis.evidence import Compare, Gain, Part, Rank, Significant
 from neol.analysis.grid_evidence import Level, Peak, Sensitivity, Share, Trend
-from neol.analysis.outcomes import Outcomes
+from neol.analysis.outcomes import EQUAL, Outcomes
 from neol.analysis.reference import SEEDS as PAPER_SEEDS
 from neol.analysis.score import PAPER_GENERATIONS
 from neol.analysis.statistics import (
@@ -52,7 +52,11 @@ from neol.spec import ROOT
 
 CLAIMS = ROOT / "paper" / "claims.yaml"
 LEAST_SEEDS = 5
+TOO_FEW = f"fewer than {LEAST_SEEDS} seeds"
 SEEDS_MISSING = "seeds are missing"
+NOT_IN_BUDGET = "not in this budget"
+TOO_SHORT = f"fewer than {PAPER_GENERATIONS} generations"
+NO_COMMON_RANGE = "no cost that all runs have in common"
 UNEQUAL_TASKS = "tasks of different numbers of generations"
 
 Test = Annotated[
@@ -159,12 +163,13 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     cells = [cell for cell in part.cells if cell is not None]
     missing = any(outcomes.missing(cell) for cell in (*cells, *part.among))
     if len(cells) < len(part.cells):
-        return Finding(part, "undecided", SEEDS_MISSING if missing else "not in this budget")
+        return Finding(part, "undecided", SEEDS_MISSING if missing else NOT_IN_BUDGET)
     samples = [outcomes.values(cell, part.metric) for cell in cells]
     seeds = min(map(len, samples))
     generations = {outcomes.budget.generations_of(cell.task) for cell in cells}
     if any(np.isnan(outcomes.values(each, part.metric)).any() for each in (*cells, *part.among)):
-        return Finding(part, "undecided", "a run has no value", seeds=seeds)
+        reason = NO_COMMON_RANGE if part.metric in EQUAL else "a run has no value"
+        return Finding(part, "undecided", reason, seeds=seeds)
     if seeds < 2:
         return Finding(part, "undecided", f"{seeds} seeds", seeds=seeds)
     effect = float(part.effect(*samples))
@@ -194,11 +199,11 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     if missing:
         verdict, reason = "undecided", SEEDS_MISSING
     elif seeds < LEAST_SEEDS:
-        verdict, reason = "undecided", f"fewer than {LEAST_SEEDS} seeds"
+        verdict, reason = "undecided", TOO_FEW
     elif len(generations) > 1:
         verdict, reason = "undecided", UNEQUAL_TASKS
     elif wrong and part.grows and min(generations) < PAPER_GENERATIONS:
-        verdict, reason = "undecided", f"fewer than {PAPER_GENERATIONS} generations"
+        verdict, reason = "undecided", TOO_SHORT
     needed = float(np.maximum(needed, LEAST_SEEDS))
     return Finding(part, verdict, reason, effect, low, high, p, seeds, needed)
 

@@ -2,12 +2,17 @@
 
 import argparse
 import hashlib
+import io
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import pandas as pd
+
+from neol.analysis import tables
 from neol.analysis.runs import Campaign
 from neol.analysis.sidecar import Sidecar
+from neol.analysis.table import Table
 from neol.campaign import RESULTS
 from neol.errors import UserError
 from neol.files import read_bounded
@@ -56,3 +61,22 @@ def vouched(output: Path) -> tuple[bytes, Sidecar]:
                 "remove both, and `make report` makes them anew"
             )
     return content, sidecar
+
+
+def vouched_frame(path: Path) -> pd.DataFrame:
+    """A table's cells, from its CSV. Raises UserError as `vouched` does."""
+    content, _ = vouched(path)
+    return pd.read_csv(io.BytesIO(content))
+
+
+def vouched_table(campaign: Campaign, figures: Path, number: int) -> tuple[Table, Sidecar]:
+    """A table of the paper made anew, which is the one that its file holds.
+
+    Raises UserError where that is not so, or as `vouched` does.
+    """
+    table: Table = getattr(tables, f"table{number}")(campaign)
+    file = figures / f"{table.name}.csv"
+    content, sidecar = vouched(file)
+    if content != table.csv():
+        raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it anew")
+    return table, sidecar

@@ -4,9 +4,8 @@ The text writes \\result{table1/hopper/bcm/mean} for that cell of table1.csv: th
 the row, the column. What a budget does not have (a task, say) is printed as a dash.
 """
 
-import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -18,15 +17,13 @@ from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
 from neol.files import write_atomically
 from neol.metadata import metadata
+from neol.report import words
 from neol.report.costs import costs
-from neol.report.inputs import command_line, vouched
+from neol.report.inputs import command_line, vouched_frame
 from neol.spec import Configuration
 
-KEYS = {
-    **{f"table{number}": ("task", "method") for number in (1, 2, 3, 4, 5, 6, 7, 8)},
-    "beyond_effects": ("comparison", "task", "method"),
-}
-"""The files of figures/ whose cells the text may show, and what chooses a row of each."""
+TABLES = tuple(f"table{number}" for number in range(1, 9))
+"""The files of figures/ whose cells the text may show; task and method choose a row."""
 
 _DEFINITIONS = r"""
 \makeatletter
@@ -43,10 +40,11 @@ def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
     sidecar is about.
     """
     found = dict(_of_configuration(campaign.configuration))
-    for name, keys in KEYS.items():
-        found |= dict(_of_table(name, _read(figures / f"{name}.csv"), keys))
+    for name in TABLES:
+        table = vouched_frame(figures / f"{name}.csv")
+        found |= dict(_of_table(name, table, ["task", "method"]))
     found |= dict(_of_table("cost", costs(campaign).reset_index(), ["task"]))
-    found |= _of_claims(_read(figures / "claims.csv"))
+    found |= _of_claims(vouched_frame(figures / "claims.csv"))
     return found
 
 
@@ -60,11 +58,12 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
         "projectauthors": escape(", ".join(project.authors)),
         "projectversion": escape(project.version),
         "papertitle": escape(project.paper.title),
-        "contradictions": "".join(
-            rf"\item Table {table}: {escape(text)} "
+        "contradictions": _items(
+            f"Table {table}: {text}"
             for table, sentences in reference.CONTRADICTIONS.items()
             for text in sentences
         ),
+        **_in_words(configuration, figures),
     }
     each_task = "".join(f"#1{{{task}}}" for task in configuration.budget.tasks)
     lines = [
@@ -77,6 +76,28 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _in_words(configuration: Configuration, figures: Path) -> dict[str, str]:
+    """The sentences that docs/results.md has too."""
+    effects = vouched_frame(figures / "beyond_effects.csv")
+    steps = words.steps(vouched_frame(figures / "claims.csv"), configuration)
+    sensitivity = vouched_frame(figures / "beyond_sensitivity.csv")
+    return {
+        "toldapart": _items(words.told_apart(effects, words.FITNESS)),
+        "toldapartablation": _items(words.told_apart(effects, words.ABLATION)),
+        "aftercorrection": escape(words.after_correction(effects)),
+        "selectionbias": _items(words.flattered(vouched_frame(figures / "beyond_selection.csv"))),
+        "opensteps": "".join(
+            rf"{escape(step.takes)} & {step.claims} & {escape(step.core_hours)} \\ "
+            for step in steps
+        ),
+        "toldbysensitivity": _items(words.told_by_sensitivity(sensitivity)),
+    }
+
+
+def _items(sentences: Iterable[str]) -> str:
+    return "".join(rf"\item {escape(sentence)} " for sentence in sentences)
+
+
 def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]:
     budget = configuration.budget
     reduced = "" if is_papers(configuration) else r"\emph{This is less than the paper's budget.}"
@@ -87,6 +108,7 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
     yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))
     yield "budget/reduced", reduced
     yield "spec/episodes", _number(configuration.evaluation.episodes)
+    yield "spec/held_out_episodes", _number(configuration.evaluation.held_out_episodes)
     yield "spec/reward_scale", _number(configuration.plasticity.reward_scale)
     for name, task in configuration.tasks.items():
         yield f"tasks/{name}/label", escape(task_label(name))
@@ -126,11 +148,6 @@ def _number(value: float) -> str:
     if exponent:
         return rf"${mantissa}\times 10^{{{int(exponent)}}}$"
     return mantissa.replace("-", "$-$")
-
-
-def _read(path: Path) -> pd.DataFrame:
-    content, _ = vouched(path)
-    return pd.read_csv(io.BytesIO(content))
 
 
 def write_results_tex(campaign: Campaign, figures: Path, output: Path) -> None:

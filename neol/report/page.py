@@ -4,7 +4,6 @@ It needs no network: style and pictures are inside. `page.html.j2` is its text.
 """
 
 import base64
-import io
 from collections import Counter
 from collections.abc import Hashable
 from dataclasses import dataclass
@@ -13,22 +12,18 @@ from typing import Any
 
 import jinja2
 import markupsafe
-import pandas as pd
 from markdown_it import MarkdownIt
 
-from neol.analysis import tables
 from neol.analysis.captions import describe_budget, lacking
 from neol.analysis.claims import Claim, load_claims
 from neol.analysis.labels import HEATMAPS
 from neol.analysis.runs import Campaign
 from neol.analysis.sidecar import Sidecar
-from neol.analysis.table import Table
-from neol.errors import UserError
 from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.provenance import provenance
 from neol.report.costs import costs
-from neol.report.inputs import command_line, read, vouched
+from neol.report.inputs import command_line, read, vouched, vouched_frame, vouched_table
 from neol.report.showcase import Showcase, Shown
 from neol.selection import snakemake_options
 from neol.spec import ROOT
@@ -101,14 +96,10 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
 
 
 def _table(campaign: Campaign, figures: Path, number: int) -> Exhibit:
-    """A table made anew, which is the one that the file holds."""
-    name = f"table{number}"
-    table: Table = getattr(tables, name)(campaign)
-    file = figures / f"{name}.csv"
-    content, sidecar = vouched(file)
-    if content != table.csv():
-        raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it anew")
-    return Exhibit(name, _caption(name), markupsafe.Markup(table._repr_html_()), sidecar)
+    table, sidecar = vouched_table(campaign, figures, number)
+    return Exhibit(
+        table.name, _caption(table.name), markupsafe.Markup(table._repr_html_()), sidecar
+    )
 
 
 def _figure(figures: Path, name: str) -> Exhibit:
@@ -125,8 +116,7 @@ def _caption(name: str) -> str:
 
 def _judged(figures: Path) -> list[Judged]:
     claims = {claim.id: claim for claim in load_claims()}
-    content, _ = vouched(figures / "claims.csv")
-    parts = pd.read_csv(io.BytesIO(content))
+    parts = vouched_frame(figures / "claims.csv")
     return [
         Judged(claims[str(name)], group["verdict"].iloc[0], group.to_dict("records"))
         for name, group in parts.groupby("claim", sort=False)

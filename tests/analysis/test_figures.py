@@ -149,7 +149,7 @@ def test_small_means_keep_three_significant_figures() -> None:
 
 def test_a_heatmap_says_its_own_steps_and_what_score_rewards(tmp_path: Path) -> None:
     campaign = Campaign(configuration(tasks=("cartpole", "hopper")), tmp_path)
-    assert "of at most 200 (CartPole) steps" in footer(heatmap(4, campaign).figure)
+    assert "of at most 200 steps" in footer(heatmap(4, campaign).figure)
     assert "by construction" not in footer(heatmap(4, campaign).figure)
     assert "SCORE grows with the population by construction" in footer(heatmap(8, campaign).figure)
 
