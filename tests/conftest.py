@@ -1,11 +1,11 @@
-"""What all tests share."""
+"""What several tests share."""
+
+from pathlib import Path
 
 import pytest
 
-LONG = ("cluster", "workflow", "report", "explore")
-"""Folders of the files that take minutes, the longest first."""
 
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the long files, so that two workers end together: they share files, not tests."""
-    items.sort(key=lambda item: (*LONG, item.path.parent.name).index(item.path.parent.name))
+@pytest.fixture
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run a test in an empty folder."""
+    monkeypatch.chdir(tmp_path)

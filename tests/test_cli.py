@@ -26,6 +26,8 @@ from neol.spec import RunSpec, load_configuration
 from tests.test_evolution import evolve
 from tests.test_run import killer, names, result
 
+pytestmark = pytest.mark.usefixtures("own_folder")
+
 TINY = (
     "--task cartpole --method oja --population 6 --learning-rate 0.25 --generations 3 "
     "--engine reference --set evaluation.held_out_episodes=3 --max-steps 40 "
@@ -44,11 +46,6 @@ def refused(arguments: str) -> str:
     assert outcome.stderr.startswith("neol: ")
     assert outcome.stderr.count("\n") == 1
     return outcome.stderr
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
 
 
 # --- Running ------------------------------------------------------------------------------------
