@@ -47,7 +47,7 @@ _FURTHER_COLOURS = ("#56B4E9", "#CC79A7", "#222222", "#8C6D1F")
 _FURTHER_MARKERS = ("P", "X", "*", "<", ">")
 _FURTHER_LINES = ((0, (8, 1.5)), (0, (8, 1.5, 1, 1.5)), (0, (2.5, 1)))
 
-SETTINGS: dict[Any, Any] = {
+RC_PARAMS: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8.5,
     "figure.titlesize": 9,
@@ -98,7 +98,7 @@ def drawing() -> Iterator[None]:
     """Matplotlib with these settings and nobody else's."""
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update(SETTINGS)
+        mpl.rcParams.update(RC_PARAMS)
         yield
 
 
