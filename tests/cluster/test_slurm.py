@@ -48,6 +48,15 @@ LONG = [
 ]
 """Changes that make of the smoke budget one run, long enough to be ended in the middle."""
 
+OFTEN = """
+import sys
+if "--profile" in sys.argv:
+    from snakemake_interface_executor_plugins.executors.remote import RemoteExecutor
+    always = property(lambda self: 2, lambda self, seconds: None)
+    RemoteExecutor.next_seconds_between_status_checks = always
+"""
+"""Lets snakemake ask every two seconds: else it waits ten more each time that no job has ended."""
+
 SMOKE = load_configuration("smoke")
 Environment = dict[str, str]
 
@@ -61,6 +70,7 @@ def cluster() -> Iterator[Environment]:
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     clone = fresh_clone(tmp_path_factory.mktemp("cluster") / "neol")
+    (clone / "sitecustomize.py").write_text(OFTEN)
     for compiled in (ROOT / "neol" / "rollout" / "box2d").glob("core*.so"):
         shutil.copy2(compiled, clone / compiled.relative_to(ROOT))
     return clone
