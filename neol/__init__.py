@@ -10,7 +10,7 @@ a run, and the run makes a record:
 ...     task="cartpole", method="oja", population=6, learning_rate=0.25, generations=2
 ... )
 >>> record = neol.evolve(spec, seeds=[0, 1])
->>> record.table.to_pandas()[["seed", "generation", "evaluations"]]
+>>> record.frame()[["seed", "generation", "evaluations"]]
    seed  generation  evaluations
 0     0           1            6
 1     0           2           12

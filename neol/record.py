@@ -3,7 +3,7 @@
 import statistics
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,9 @@ from neol.model import Model
 from neol.neat.genome import CONNECTION, NODE, Genome
 from neol.provenance import Provenance
 from neol.spec import RunSpec
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Champion(Model):
@@ -99,6 +102,15 @@ class Record:
     """`SCHEMA`, sorted by seed and generation."""
     seeds: tuple[SeedInfo, ...]
     """By seed."""
+
+    def frame(self) -> "pd.DataFrame":
+        """The rows as a data frame.
+
+        Without Arrow's threads, here as where a record is read: now and then one of them is still
+        there when Python ends, and aborts it (apache/arrow#34314).
+        """
+        frame: pd.DataFrame = self.table.to_pandas(use_threads=False)
+        return frame
 
     def spec_of(self, seed: int) -> RunSpec:
         """The specification of one of the runs."""

@@ -153,7 +153,7 @@ def _parse(content: bytes) -> tuple[bytes, pa.Table]:
         raise ValueError("its columns are others")
     if file.metadata.num_rows > min(MAX_ROWS, len(content)):  # a row takes more than a byte
         raise ValueError("it would unpack to far more than it is")
-    table = file.read().combine_chunks()
+    table = file.read(use_threads=False).combine_chunks()
     if _digest(text, table).encode() != file.metadata.metadata.get(b"neol_digest"):
         raise ValueError("its content does not match its digest")
     return text, table.replace_schema_metadata(None)

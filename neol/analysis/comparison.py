@@ -52,7 +52,7 @@ class Compared:
     @cached_property
     def best_fitness(self) -> pd.DataFrame:
         """A row for each generation, a column for each seed."""
-        table: pd.DataFrame = self.record.table.to_pandas()
+        table = self.record.frame()
         return table.pivot_table(index="generation", columns="seed", values="best_fitness")
 
 

@@ -126,7 +126,7 @@ class Campaign:
                 continue
             record = read_record(path, run_specs(self.configuration, block)[0])
             missing += _missing(path, record, block)
-            rows.append(record.table.to_pandas())
+            rows.append(record.frame())
             for info in record.seeds:
                 mean = info.held_out.mean
                 held_out[info.seed] = math.nan if mean is None else mean

@@ -77,7 +77,7 @@ def learning_curves(
         figure = Figure(figsize=(WIDTH, 2.8))
         axis = figure.subplots()
         for method, records in chosen.groupby("method")["record"].unique().items():
-            table = pd.concat([load_record(results / name).table.to_pandas() for name in records])
+            table = pd.concat([load_record(results / name).frame() for name in records])
             values = table.pivot_table(index="generation", columns="seed", values=column).dropna()
             x = table[against].groupby(table["generation"]).mean().loc[values.index]
             label = f"{method_label(str(method))}, {values.shape[1]} seeds"

@@ -41,7 +41,7 @@ def table_of_runs(results: Path) -> pd.DataFrame:
     for name in find_records(results):
         record = read_record(results / name)
         spec = record.spec
-        last = record.table.to_pandas().groupby("seed").last()
+        last = record.frame().groupby("seed").last()
         rows += [
             {
                 "record": name,
