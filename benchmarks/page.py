@@ -117,7 +117,7 @@ The runs of the table above. NEAT is timed at its calls (decode, write-back, spe
 seeds); network and plasticity by playing the run's own episodes back in a world that costs nothing,
 without and with learning; physics by stepping it under the run's own actions. The rest of the
 environment (resets, observations, rewards; CartPole's physics too) is what remains of the
-engine's time; *other* is statistics, digest and snapshots.
+engine's time, below zero where noise is larger than it; *other* is statistics, digest and snapshots.
 
 {markdown(header, rows)}
 Of the engine's time with large networks (30 hidden nodes, 300 connections):
@@ -183,7 +183,9 @@ to, at the engine's measured cost of a step with small networks.
 ## Two workers against one: wall seconds of a run's generations, P = 100
 
 Only episodes are shared out. *Outside the engine*: the share of one worker's CPU time that NEAT,
-statistics and digest take, which bounds what a second worker can gain (Amdahl's law).
+statistics and digest take, which bounds what a second worker can gain (Amdahl's law). They could
+be shared out only in part: a generation's children are bred from one stream of random numbers. A
+block of seeds uses two cores better as two runs of one worker each, as the workflow does.
 
 {markdown(worker_header, workers)}
 Peak memory is that of a process that makes a whole run of BipedalWalker (the largest genomes), with

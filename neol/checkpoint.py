@@ -21,6 +21,7 @@ from neol.neat.check import check_genome
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
+from neol.neat.reproduction import Reproduction
 from neol.neat.species import Species, SpeciesSet
 from neol.spec import RunSpec
 
@@ -44,18 +45,16 @@ def snapshot(evolution: Evolution) -> Evolution:
 
     The population is shared: once evaluated and speciated nobody writes to it.
     """
-    copy = Evolution.begin(
-        evolution.spec, evolution.reproduction.inputs, evolution.reproduction.outputs
+    done, species_set = evolution.reproduction, evolution.species_set
+    reproduction = Reproduction(done.inputs, done.outputs, done.neat)
+    reproduction.next_genome = done.next_genome
+    reproduction.innovations = done.innovations.next_generation(0)
+    return replace(
+        evolution,
+        reproduction=reproduction,
+        species_set=SpeciesSet([replace(s) for s in species_set.species], species_set.next_id),
+        history=list(evolution.history),
     )
-    innovations = evolution.reproduction.innovations
-    copy.reproduction.next_genome = evolution.reproduction.next_genome
-    copy.reproduction.innovations = innovations.next_generation(0)
-    copy.population = evolution.population
-    species_set = evolution.species_set
-    copy.species_set = SpeciesSet([replace(s) for s in species_set.species], species_set.next_id)
-    copy.history = list(evolution.history)
-    copy.digest = evolution.digest
-    return copy
 
 
 def save(path: Path, evolution: Evolution, cost: Cost) -> None:
