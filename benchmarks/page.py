@@ -117,7 +117,7 @@ The runs of the table above. NEAT is timed at its calls (decode, write-back, spe
 seeds); network and plasticity by playing the run's own episodes back in a world that costs nothing,
 without and with learning; physics by stepping it under the run's own actions. The rest of the
 environment (resets, observations, rewards; CartPole's physics too) is what remains of the
-engine's time, below zero where noise is larger than it; *other* is statistics, digest and snapshots.
+engine's time, below zero where noise exceeds it; *other* is statistics, digest and snapshots.
 
 {markdown(header, rows)}
 Of the engine's time with large networks (30 hidden nodes, 300 connections):
