@@ -16,8 +16,8 @@ from typing import Any, NoReturn
 
 from neol.cli import app
 from neol.records import read_record
-from tests.test_cli import neol
-from tests.test_run import names, result
+from tests.command import neol
+from tests.runs import names, result
 
 BLOCK = (
     "run --task cartpole --method oja --population 8 --learning-rate 0.25 --budget smoke --quiet "

@@ -1,8 +1,8 @@
-"""Random networks for tests."""
+"""Random networks for tests, and what one says to an observation."""
 
 import numpy as np
 
-from neol.network import ACTIVATIONS, Networks
+from neol.network import ACTIVATIONS, Networks, forward
 
 
 def random_networks(
@@ -41,3 +41,13 @@ def random_networks(
         source=np.array(source, dtype=np.int64),
         weight=weight_sd * random.normal(size=len(source)),
     )
+
+
+def outputs_of(networks: Networks, index: int, observation: np.ndarray) -> np.ndarray:
+    first, last = networks.node_offset[index : index + 2]
+    values = np.concatenate([observation, np.zeros(last - first)])
+    forward(
+        first, last, networks.bias, networks.edge_offset, networks.source, networks.weight,
+        networks.inputs, networks.outputs, networks.activation, networks.sum_limit, values,
+    )  # fmt: skip
+    return values[-networks.outputs :]

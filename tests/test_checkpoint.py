@@ -10,23 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neol import checkpoint
-from neol.checkpoint import Cost
+from neol.checkpoint import Arrays, Cost
 from neol.errors import UserError
 from neol.evolution import Evolution
 from neol.rollout.reference import ReferenceEngine
 from neol.spec import RunSpec
-from tests.test_evolution import evolve, run_spec
+from tests.damage import flipped, forge_checkpoint
+from tests.refusal import survive
+from tests.runs import evolve, run_spec, started
 
 COST = Cost(1.5, 0.75)
-
-
-def started(spec: RunSpec, generations: int) -> Evolution:
-    """A run after its first generations."""
-    evolution, engine = Evolution.begin(spec, 4, 2), ReferenceEngine(spec.task)
-    for _ in range(generations):
-        evolution.step(engine)
-    engine.close()
-    return evolution
 
 
 def finish(evolution: Evolution) -> Evolution:
@@ -150,19 +143,11 @@ def test_damaged_anywhere_is_refused_or_the_same(
     data: st.DataObject, content: bytes, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "damaged.npz"
-    damaged = bytearray(content)
-    for _ in range(data.draw(st.integers(1, 3))):
-        place = data.draw(st.integers(0, len(content) - 1))
-        damaged[place] ^= data.draw(st.integers(1, 255))
-    path.write_bytes(damaged)
-    try:
-        evolution, cost = checkpoint.load(path, run_spec())
-    except UserError as error:
-        assert "\n" not in str(error)
-        assert "damaged.npz" in str(error)
-    else:  # a byte that means nothing, such as a time in the zip's headers
-        assert state(evolution) == state(started(run_spec(), 2))
-        assert cost == COST
+    path.write_bytes(data.draw(flipped(content)))
+    loaded = survive(lambda: checkpoint.load(path, run_spec()), says="damaged.npz")
+    if loaded is not None:  # a byte may mean nothing, such as one of a time in the zip's headers
+        assert state(loaded[0]) == state(started(run_spec(), 2))
+        assert loaded[1] == COST
 
 
 @pytest.mark.parametrize(
@@ -188,11 +173,12 @@ def test_an_impossible_state_is_refused_though_sealed(
 @pytest.mark.parametrize("value", ["8", 8.0, -1, 2**63, None])
 def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: Path) -> None:
     checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
-    with np.load(tmp_path / "run.npz") as file:
-        arrays = {name: file[name] for name in file.files if name != "seal"}
-    meta = json.loads(arrays["meta"].tobytes()) | {"next_genome": value}
-    arrays["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
-    np.savez(tmp_path / "run.npz", **arrays, seal=checkpoint._seal(arrays))
+
+    def change(arrays: Arrays) -> None:
+        meta = json.loads(arrays["meta"].tobytes()) | {"next_genome": value}
+        arrays["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
+
+    forge_checkpoint(tmp_path / "run.npz", change)
     with pytest.raises(UserError, match=r"run\.npz: damaged: its next_genome is"):
         checkpoint.load(tmp_path / "run.npz", run_spec())
 

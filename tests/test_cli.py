@@ -1,52 +1,21 @@
-"""The command line: what it prints, what it refuses, and how it ends."""
+"""The command line: what it prints and what it refuses; test_ending: how it ends."""
 
 import json
-import os
 import re
-import shlex
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
-from typer.testing import CliRunner, Result
 
-from neol import cli
-from neol import run as runs
-from neol.cli import app
 from neol.cli.run import parse_seeds
 from neol.errors import UserError
-from neol.progress import Progress
 from neol.records import read_record
-from neol.spec import RunSpec, load_configuration
-from tests.test_evolution import evolve
-from tests.test_run import killer, names, result
+from neol.spec import load_configuration
+from tests import troubled as troubled
+from tests.command import TINY, neol, refused, specification
+from tests.runs import evolve, names
 
 pytestmark = pytest.mark.usefixtures("own_folder")
-
-TINY = (
-    "--task cartpole --method oja --population 6 --learning-rate 0.25 --generations 3 "
-    "--engine reference --set evaluation.held_out_episodes=3 --max-steps 40 "
-)
-
-
-def neol(arguments: str) -> Result:
-    return CliRunner().invoke(app, shlex.split(arguments))
-
-
-def refused(arguments: str) -> str:
-    """The one line that a command with wrong input prints."""
-    outcome = neol(arguments)
-    assert outcome.exit_code == 2
-    assert outcome.stdout == ""
-    assert outcome.stderr.startswith("neol: ")
-    assert outcome.stderr.count("\n") == 1
-    return outcome.stderr
-
 
 # --- Running ------------------------------------------------------------------------------------
 
@@ -78,21 +47,6 @@ def test_digest_prints_a_line_per_seed(tmp_path: Path) -> None:
 def test_quiet_says_nothing() -> None:
     outcome = neol(f"run {TINY} --quiet --output a.parquet")
     assert (outcome.exit_code, outcome.output) == (0, "")
-
-
-def specification(
-    arguments: str, monkeypatch: pytest.MonkeyPatch
-) -> tuple[RunSpec, dict[str, Any]]:
-    """What a command would run, without running it."""
-    called: list[tuple[RunSpec, dict[str, Any]]] = []
-
-    def pretend(spec: RunSpec, seeds: list[int], output: Path, **settings: Any) -> Any:
-        called.append((spec, {"seeds": seeds, "output": output, **settings}))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(runs, "run_block", pretend)
-    assert neol(arguments).exit_code == 130
-    return called[0]
 
 
 def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -227,96 +181,6 @@ def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:
 def test_an_environment_that_returns_nan_does_not_stop_a_run(tmp_path: Path) -> None:
     assert neol(f"run {TINY} --task gym:NaNReward-v0 --output a.parquet").exit_code == 0
     assert read_record(tmp_path / "a.parquet").table["failed_evaluations"][-1].as_py() > 0
-
-
-# --- Interruption -------------------------------------------------------------------------------
-
-
-def test_an_interrupt_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    command = f"run {TINY} --output a.parquet"
-    with monkeypatch.context() as patch:
-        patch.setattr(Progress, "__call__", lambda _, *told: killer(0, 2, KeyboardInterrupt)(*told))
-        stopped = neol(command)
-    assert stopped.exit_code == 130
-    line = stopped.stderr.splitlines()[-1]
-    assert line.startswith("neol: interrupted: what is done is kept in a.parquet.partial")
-    assert "--resume" in line
-    assert "a.parquet.partial: holds an interrupted run; go on with --resume" in refused(command)
-    assert neol(f"{command} --resume").exit_code == 0
-    neol(f"run {TINY} --output whole.parquet")
-    assert result(read_record(tmp_path / "a.parquet")) == result(
-        read_record(tmp_path / "whole.parquet")
-    )
-
-
-def start(arguments: str, folder: Path) -> subprocess.Popen[str]:
-    root = Path(cli.__file__).parents[2]
-    return subprocess.Popen(
-        [sys.executable, "-m", "neol", *shlex.split(arguments)],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(root)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        # A test run in the background ignores SIGINT, and its children would inherit that.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("sent", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_signals_keep_a_checkpoint(sent: signal.Signals, status: int, tmp_path: Path) -> None:
-    endless = f"run {TINY} --seed 0-1 --generations 100000 --checkpoint-every 1 --output a.parquet"
-    process = start(endless, tmp_path)
-    kept = tmp_path / "a.parquet.partial" / "seed_000000.npz"
-    while not kept.exists() and process.poll() is None:
-        time.sleep(0.02)
-    process.send_signal(sent)
-    stdout, stderr = process.communicate(timeout=60)
-    assert process.returncode == status
-    assert stdout == ""
-    assert "Traceback" not in stderr
-    assert re.fullmatch(
-        r"neol: (interrupted|terminated): .* kept in a\.parquet\.partial, .* --resume .*",
-        stderr.splitlines()[-1],
-    )
-    assert names(tmp_path) == ["a.parquet.partial", "lock", "seed_000000.npz"]
-
-
-def test_a_path_that_the_system_refuses_is_one_line() -> None:
-    assert "aaa: File name too long; mend that" in refused(f"verify {'a' * 300}")
-
-
-def test_ctrl_c_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(_self: Path) -> bool:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Path, "exists", interrupt)
-    outcome = neol("verify a.parquet")
-    assert (outcome.exit_code, outcome.stdout) == (130, "")
-    assert outcome.stderr == "neol: interrupted\n"
-
-
-def test_who_reads_no_further_is_told_nothing(tmp_path: Path) -> None:
-    process = start("config --budget smoke", tmp_path)
-    assert process.stdout is not None and process.stderr is not None
-    process.stdout.close()
-    assert process.stderr.read() == ""
-    assert process.wait() == 141
-    process.stderr.close()
-
-
-@pytest.mark.slow
-def test_piped_output_is_plain_lines(tmp_path: Path) -> None:
-    process = start(f"run {TINY} --seed 0,1 --output a.parquet", tmp_path)
-    stdout, stderr = process.communicate(timeout=60)
-    assert process.returncode == 0
-    assert "\x1b" not in stdout + stderr
-    first, *_, last = stderr.splitlines()
-    assert first.startswith("seed 0 (1 of 2)  generation 1/3  best ")
-    assert last.startswith("seed 1 (2 of 2)  generation 3/3  best ")
-    assert last.endswith(" steps/s  0:00 left")
-    assert stdout.startswith("a.parquet: written\n")
 
 
 def test_bench_takes_the_options_of_the_benchmarks() -> None:

@@ -16,7 +16,7 @@ from neol.champions.player import load_champion
 from neol.records import read_record, write_record
 from tests.champions.conftest import MakeRecord
 from tests.champions.conftest import record_of as record_of
-from tests.test_cli import neol, refused
+from tests.command import neol, refused
 
 
 @pytest.fixture(autouse=True)

@@ -11,33 +11,8 @@ from neol.evolution import Evolution, finite_fitness
 from neol.network import Networks
 from neol.rollout.engine import Rollouts
 from neol.rollout.reference import ReferenceEngine
-from neol.spec import RunSpec, load_configuration
-from tests.test_network import outputs_of
-
-
-def run_spec(method: str = "oja", seed: int = 0, *overrides: str, **changes: object) -> RunSpec:
-    """A tiny CartPole run."""
-    configuration = load_configuration(
-        "smoke",
-        ["tasks.cartpole.max_steps=40", "evaluation.held_out_episodes=3", *overrides],
-    )
-    settings = {
-        "task": "cartpole",
-        "method": method,
-        "population": 8,
-        "learning_rate": None if method.startswith("neat") else 0.25,
-        "generations": 4,
-        "seed": seed,
-    }
-    return configuration.run_spec(**(settings | changes))
-
-
-def evolve(spec: RunSpec) -> Evolution:
-    evolution = Evolution.begin(spec, 4, 2)
-    engine = ReferenceEngine(spec.task)
-    list(evolution.run(engine))
-    engine.close()
-    return evolution
+from tests.networks import outputs_of
+from tests.runs import evolve, run_spec
 
 
 @pytest.mark.parametrize("method", ["neat", "neat_wo", "hebb", "oja", "bcm"])

@@ -23,8 +23,8 @@ from tests.children import (
     ended,
     undisturbed,
 )
-from tests.test_cli import neol
-from tests.test_run import names, result
+from tests.command import neol
+from tests.runs import names, result
 
 pytestmark = pytest.mark.usefixtures("own_folder")
 

@@ -5,18 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from neol.network import ACTIVATIONS, Networks, forward
-from tests.networks import random_networks
-
-
-def outputs_of(networks: Networks, index: int, observation: np.ndarray) -> np.ndarray:
-    first, last = networks.node_offset[index : index + 2]
-    values = np.concatenate([observation, np.zeros(last - first)])
-    forward(
-        first, last, networks.bias, networks.edge_offset, networks.source, networks.weight,
-        networks.inputs, networks.outputs, networks.activation, networks.sum_limit, values,
-    )  # fmt: skip
-    return values[-networks.outputs :]
+from neol.network import ACTIVATIONS, Networks
+from tests.networks import outputs_of, random_networks
 
 
 def plain_outputs(networks: Networks, index: int, observation: np.ndarray) -> list[float]:

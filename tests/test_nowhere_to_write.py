@@ -19,7 +19,7 @@ from tests.children import (
     ended,
     undisturbed,
 )
-from tests.test_cli import neol
+from tests.command import neol
 
 pytestmark = pytest.mark.usefixtures("own_folder")
 

@@ -8,7 +8,7 @@ import pytest
 
 from neol.errors import UserError
 from neol.partial import is_running, partial_folder, remove_if_complete
-from tests.test_run import block, killer, names
+from tests.runs import block, killer, names
 
 
 def test_two_processes_do_not_run_the_same_block(tmp_path: Path) -> None:

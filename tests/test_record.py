@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from neol.neat.genome import CONNECTION, NODE, Genome
 from neol.record import Champion, HeldOut, join
 from neol.run import evolve
-from tests.test_evolution import run_spec
+from tests.runs import run_spec
 
 floats = st.floats(allow_nan=False, allow_infinity=False)
 

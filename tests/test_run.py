@@ -3,9 +3,7 @@
 import dataclasses
 from functools import cache
 from pathlib import Path
-from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 
@@ -13,42 +11,11 @@ from neol import checkpoint, provenance
 from neol import run as runs
 from neol.errors import UserError
 from neol.evolution import Generation
-from neol.record import Record, SeedInfo
+from neol.record import SeedInfo
 from neol.records import read_record
 from neol.rollout.reference import ReferenceEngine
-from neol.run import OnGeneration, run_block, run_seed
-from neol.spec import RunSpec
-from tests import troubled
-from tests.test_evolution import evolve, run_spec
-
-SPEC = run_spec(generations=4)
-
-
-def block(output: Path, spec: RunSpec = SPEC, seeds: tuple[int, ...] = (0, 1), **kw: Any) -> Record:
-    return run_block(spec, seeds, output, engine="reference", **kw)
-
-
-def result(record: Record) -> object:
-    """A record without costs and provenance: what must not depend on anything but the spec."""
-    timeless: list[dict[str, Any]] = [
-        info.model_dump(exclude={"wall_seconds", "cpu_seconds", "provenance", "engine"})
-        for info in record.seeds
-    ]
-    return record.spec, record.table.to_pydict(), timeless
-
-
-def killer(seed: int, generation: int, error: type[BaseException]) -> OnGeneration:
-    """Stops a block after a generation of a seed."""
-
-    def stop(current: int, done: Generation) -> None:
-        if (current, done.generation) == (seed, generation):
-            raise error
-
-    return stop
-
-
-def names(folder: Path) -> list[str]:
-    return sorted(path.name for path in folder.rglob("*"))
+from neol.run import run_block, run_seed
+from tests.runs import SPEC, block, evolve, killer, names, result, run_spec
 
 
 def test_a_seed_is_its_evolution() -> None:
@@ -196,110 +163,6 @@ def test_an_impossible_output_is_said_before_simulating(tmp_path: Path) -> None:
     for output in (tmp_path / "file" / "run.parquet", Path("/proc/neol/run.parquet")):
         with pytest.raises(UserError, match="cannot be made"):
             block(output, on_generation=killer(0, 1, AssertionError))
-
-
-# --- Environments that misbehave ----------------------------------------------------------------
-
-
-class Treacherous(gymnasium.Env[Any, Any]):
-    """Ends well for half of the seeds; for the others something becomes NaN at the third step."""
-
-    action_space = gymnasium.spaces.Discrete(2)
-    observation_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), np.float64)
-
-    def __init__(self, poison: str = "observation") -> None:
-        self.poison = poison
-
-    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
-        super().reset(seed=seed)
-        self.left = 6
-        self.bad = self.np_random.random() < 0.5
-        return self._observation(), {}
-
-    def step(self, action: Any) -> Any:
-        self.left -= 1
-        observation, reward = self._observation(), float(action == 1)
-        if self.bad and self.left == 3:
-            if self.poison == "observation":
-                observation[1] = np.nan
-            else:
-                reward = np.nan
-        return observation, reward, self.left == 0, False, {}
-
-    def _observation(self) -> Any:
-        return self.np_random.uniform(-1.0, 1.0, 3)
-
-
-class Image(Treacherous):
-    observation_space = gymnasium.spaces.Box(0, 255, (8, 8, 3), np.uint8)
-
-
-for name, kind, settings in (
-    ("NaNObservation-v0", Treacherous, {"poison": "observation"}),
-    ("NaNReward-v0", Treacherous, {"poison": "reward"}),
-    ("Image-v0", Image, {}),
-):
-    gymnasium.register(name, kind, kwargs=settings, max_episode_steps=10)
-
-
-@pytest.mark.parametrize("environment", ["NaNObservation-v0", "NaNReward-v0"])
-def test_nan_is_counted_and_the_run_goes_on(environment: str, tmp_path: Path) -> None:
-    spec = run_spec(task=f"gym:{environment}", generations=4)
-    record = block(tmp_path / "run.parquet", spec, seeds=(0,))
-    failed = record.table["failed_evaluations"].to_pylist()
-    assert 0 < failed[0] < 8 < failed[3] < 32
-    assert failed == sorted(failed)
-    for column in record.table.columns:
-        assert np.isfinite(column.to_numpy()).all()
-    best = record.table["best_fitness"].to_numpy()
-    assert ((best >= 0) & (best <= 6)).all()
-    assert result(read_record(tmp_path / "run.parquet", spec)) == result(record)
-
-
-def test_an_image_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    spec = run_spec(task="gym:Image-v0")
-    with pytest.raises(UserError, match=r"Image-v0 observes .*a network needs a flat Box"):
-        block(tmp_path / "run.parquet", spec)
-    assert names(tmp_path) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("trouble", "workers", "line"),
-    [
-        (
-            "raise",
-            1,
-            "Troubled-v0 raised ZeroDivisionError: no luck (in step 3 of the episode with",
-        ),
-        (
-            "raise",
-            2,
-            "Troubled-v0 raised ZeroDivisionError: no luck (in step 3 of the episode with",
-        ),
-        ("die", 2, "a worker process died (killed, or out of memory?); run again with --resume"),
-    ],
-)
-def test_what_happens_in_an_environment_is_said_and_costs_no_generation(
-    trouble: str, workers: int, line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv(troubled.TROUBLE, str(tmp_path / "trouble"))
-    monkeypatch.setattr(runs, "make_engine", troubled.make_engine)
-    spec = run_spec(generations=8).model_copy(update={"task": troubled.TASK})
-    undisturbed = result(block(tmp_path / "whole.parquet", spec))
-    (tmp_path / "trouble").write_text(trouble)
-    output = tmp_path / "run.parquet"
-    with pytest.raises(UserError) as said:
-        block(output, spec, workers=workers)
-    (kept,) = (tmp_path / "run.parquet.partial").glob("seed_*.npz")
-    seed, generation = int(kept.stem[-6:]), checkpoint.generations(kept)
-    assert generation > 0
-    assert str(said.value).startswith(f"seed {seed}, generation {generation + 1}: ")
-    assert line in str(said.value)
-    assert "\n" not in str(said.value)
-    (tmp_path / "trouble").unlink()
-    assert result(block(output, spec, workers=workers, resume=True)) == undisturbed
-    assert names(tmp_path) == ["run.parquet", "whole.parquet"]
 
 
 @pytest.mark.slow

@@ -4,14 +4,13 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from neol.analysis.runs import Campaign
 from neol.analysis.tables import table3
-from neol.cli import app
 from neol.errors import UserError
 from neol.trace import trace
 from tests.analysis.made_up import configuration, write_campaign
+from tests.command import neol
 
 
 @pytest.fixture
@@ -76,6 +75,6 @@ def test_what_cannot_be_traced_is_said_in_one_line(table: Path) -> None:
 
 
 def test_the_command(table: Path) -> None:
-    result = CliRunner().invoke(app, ["trace", str(table)])
+    result = neol("trace", table)
     assert result.exit_code == 0
     assert "records  14, of 42 runs" in result.output

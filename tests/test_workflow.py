@@ -14,7 +14,7 @@ from neol.records import write_record
 from neol.spec import load_configuration
 from neol.workflow import clear_stale_locks, pattern
 from tests.analysis.made_up import run
-from tests.test_cli import specification
+from tests.command import specification
 
 JOBS = list(jobs(load_configuration("smoke")))
 

@@ -8,7 +8,7 @@ from neol.champions.player import Player
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool, decode
 from neol.rollout.reference import network_size
 from neol.spec import load_configuration
-from tests.test_evolution import run_spec
+from tests.runs import run_spec
 
 CONFIGURATION = load_configuration("paper")
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from neol.errors import UserError
 from neol.explore import evolving
 from neol.explore.evolving import Evolutions
-from tests.test_evolution import evolve
+from tests.runs import evolve
 
 SMALL = {"task": "cartpole", "population": 4, "generations": 3, "seed": 1, "eta": 0.25, "beta": 0.5}
 

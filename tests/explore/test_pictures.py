@@ -14,7 +14,7 @@ from neol.explore.runs import load_player, table_of_runs
 from neol.run import run_block
 from tests.analysis.made_up import configuration, write_campaign
 from tests.explore.test_runs import BEST
-from tests.test_evolution import run_spec
+from tests.runs import run_spec
 
 SETTING = ("smoke", 6, 0.25)
 

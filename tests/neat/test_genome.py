@@ -10,7 +10,7 @@ from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
 from neol.spec import load_configuration
 from tests.neat.genomes import INPUTS, OUTPUTS, genome_of, populations
-from tests.test_network import outputs_of
+from tests.networks import outputs_of
 
 NETWORK = load_configuration("smoke").network
 OBSERVATION = np.array([0.3, -1.2, 2.0])

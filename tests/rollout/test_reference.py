@@ -10,8 +10,7 @@ from neol.errors import UserError
 from neol.rollout import make_engine
 from neol.rollout.reference import ReferenceEngine, Step, make_environment, network_size
 from neol.spec import load_configuration
-from tests.networks import random_networks
-from tests.test_network import outputs_of
+from tests.networks import outputs_of, random_networks
 
 CONFIGURATION = load_configuration("smoke")
 TASKS = ["cartpole", "lunar_lander", "hopper", "bipedal_walker"]

@@ -13,19 +13,13 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
-from typer.testing import CliRunner
 
-from neol.cli import app
 from neol.spec import ROOT
+from tests.command import neol
 from tests.test_digests import SAME_LAST_BITS
-from tests.verification.planted_errors import (
-    MADE_BY,
-    OJA,
-    PLANTS,
-    Plant,
-    make_campaign,
-    patch_budget,
-)
+from tests.verification.campaign import MADE_BY, OJA, make_campaign, patch_budget
+from tests.verification.planted import PLANTS
+from tests.verification.planted.plant import Plant
 
 PAGE = ROOT / "docs" / "planted-errors.md"
 TABLE = re.compile(r"(?<=<!-- planted errors -->\n).*(?=<!-- end -->)", re.DOTALL)
@@ -62,7 +56,7 @@ def findings(campaign: Path, plant: Plant | None, options: str) -> tuple[int, li
         shutil.copytree(campaign, folder)
         if plant is not None:
             plant.do(folder)
-        outcome = CliRunner().invoke(app, ["verify", str(folder), "--seed", "0", *options.split()])
+        outcome = neol(f"verify --seed 0 {options}", folder)
         *lines, summary = outcome.stdout.splitlines()
         count = {0: "all well", 1: "1 finding"}.get(len(lines), f"{len(lines)} findings")
         assert summary.endswith(count)

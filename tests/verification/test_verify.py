@@ -1,4 +1,4 @@
-"""Verification and replays: what a difference means, draws, manifests. Errors: planted_errors."""
+"""Verification and replays: what a difference means, draws, manifests. Errors: planted."""
 
 import dataclasses
 import shutil
@@ -6,9 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
 
-from neol.cli import app
 from neol.errors import UserError
 from neol.jobs import jobs
 from neol.rollout.reference import network_size
@@ -26,19 +24,19 @@ from neol.verification.replays import (
     libm_digest,
     machine_differences,
 )
+from tests.command import neol
+from tests.damage import Json, forge_record
 from tests.test_digests import SAME_LAST_BITS
-from tests.test_records import forge
-from tests.verification.planted_errors import (
+from tests.verification.campaign import (
     HEBB,
     MADE_BY,
     NEAT,
     OJA,
     TRIALS,
-    Json,
     make_campaign,
     patch_budget,
-    seal_spec,
 )
+from tests.verification.planted.contents import seal_spec
 
 OTHER = MADE_BY.model_copy(
     update={"libc": "musl 1.2", "versions": MADE_BY.versions | {"numba": "2"}}
@@ -53,10 +51,6 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     make_campaign(folder)
     with patch_budget():
         yield folder
-
-
-def neol(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def replayed(*differences: Difference, made_by: object = MADE_BY, **changes: object) -> Replay:
@@ -145,7 +139,7 @@ def test_a_manifest_of_several_budgets_or_of_nothing_is_refused(
         write_manifest(tmp_path)
     for name in ("a.parquet", "b.parquet"):
         (tmp_path / name).write_bytes((campaign / OJA).read_bytes())
-    forge(tmp_path / "b.parquet", lambda metadata, _: metadata.update(budget="desk"))
+    forge_record(tmp_path / "b.parquet", lambda metadata, _: metadata.update(budget="desk"))
     with pytest.raises(UserError, match=r"b\.parquet: is of budget desk, .*a\.parquet of smoke"):
         write_manifest(tmp_path)
 
@@ -263,7 +257,7 @@ def test_a_run_that_cannot_be_repeated_loses_no_other_finding(
         metadata["spec"]["task"]["environment"] = "Nowhere-v0"
         seal_spec(metadata)
 
-    forge(tmp_path / "a.parquet", unknown)
+    forge_record(tmp_path / "a.parquet", unknown)
     outcome = neol("verify", tmp_path, "--replay", 1, "--replay-champions", 1, "--seed", 0)
     assert outcome.exit_code == 3
     first, *again, summary = outcome.stdout.splitlines()

@@ -17,7 +17,7 @@ from neol.record import SeedInfo
 from neol.records import read_record
 from neol.run import run_block
 from neol.spec import RunSpec, load_configuration
-from tests.test_run import result
+from tests.runs import result
 from tests.workflow.clone import fresh_clone, snakemake
 
 pytestmark = pytest.mark.slow

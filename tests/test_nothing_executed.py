@@ -1,0 +1,72 @@
+"""What the code never does: run what a file or a parameter holds."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from neol.spec import ROOT
+
+FORBIDDEN_MODULES = {"pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
+FORBIDDEN_CALLS = {
+    "eval",
+    "exec",
+    "compile",
+    "__import__",
+    "read_pickle",
+    "unsafe_load",
+    "full_load",
+}
+
+
+def dangers(source: str) -> list[str]:
+    """Calls and imports that could run what a file holds."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names = [alias.name for alias in node.names] + [getattr(node, "module", None) or ""]
+            found += [name for name in names if name.split(".")[0] in FORBIDDEN_MODULES]
+        if not isinstance(node, ast.Call):
+            continue
+        owner = node.func.value if isinstance(node.func, ast.Attribute) else None
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else ast.unparse(node.func)
+        call = ast.unparse(node)
+        wrong = (
+            (name in FORBIDDEN_CALLS and ast.unparse(node.func) != "re.compile")
+            or (
+                name == "load"
+                and ast.unparse(owner or node.func) == "yaml"
+                and "_Loader" not in call
+            )
+            or (
+                name == "load"
+                and "np" in ast.unparse(node.func)
+                and "allow_pickle=False" not in call
+            )
+            or "shell=True" in call
+        )
+        found += [call] * wrong
+    return found
+
+
+def test_dangers_are_seen() -> None:
+    for source in (
+        "import pickle",
+        "from joblib import load",
+        "eval(x)",
+        "builtins.exec(x)",
+        "pd.read_pickle(x)",
+        "yaml.load(x, Loader=yaml.Loader)",
+        "np.load(x)",
+        "np.load(x, allow_pickle=True)",
+        "subprocess.run(x, shell=True)",
+    ):
+        assert len(dangers(source)) == 1, source
+    assert (
+        dangers("re.compile(x); yaml.load(x, Loader=_Loader); np.load(x, allow_pickle=False)") == []
+    )
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "neol").rglob("*.py")), ids=str)
+def test_nothing_read_is_executed(path: Path) -> None:
+    assert dangers(path.read_text(encoding="utf-8")) == []
