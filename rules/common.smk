@@ -53,13 +53,12 @@ def tidy():
     """Remove the .partial folders of the records that are there.
 
     Not sooner than when all is over: Snakemake removes the record of a job that something kills after its last write.
+    So what a killed workflow left goes at the end of the next one, and no dry run takes it away.
     """
     for path in JOBS:
         remove_if_complete(Path(path))
 
 
-if workflow.is_main_process:
-    tidy()  # what a killed workflow left
 REASONS = {path: job.reason() for path, job in JOBS.items()}
 KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
 

@@ -3,6 +3,7 @@
 import os
 import random
 import re
+import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 from neol.campaign import blocks, paper_cells
 from neol.jobs import jobs
+from neol.partial import finished_path, partial_folder
 from neol.selection import SHOWN_BUDGET, select
 from neol.spec import load_configuration
 from neol.trace import trace
@@ -93,6 +95,25 @@ def test_tables_of_some_tasks_say_so(clone: Path) -> None:
 def test_a_record_that_is_there_is_no_error_to_ask_for(clone: Path) -> None:
     record = str(blocks(load_configuration("demo"))[0].record)
     assert planned(clone, record, "--config", "budget=demo") == {}
+
+
+def test_a_dry_run_changes_nothing(clone: Path) -> None:
+    """Not even what a campaign still needs that is under way: the seeds of a complete record."""
+    record = clone / blocks(load_configuration("demo"))[0].record
+    seed = finished_path(partial_folder(record), 0)
+    seed.parent.mkdir()
+    shutil.copy(record, seed)
+    try:
+        before = tree(clone / "results")
+        assert planned(clone, *DEMO) == NOTEBOOKS
+        assert tree(clone / "results") == before
+    finally:
+        shutil.rmtree(seed.parent, ignore_errors=True)
+
+
+def tree(folder: Path) -> list[tuple[Path, int]]:
+    """Every file and folder below, and when it was changed."""
+    return [(path, path.stat().st_mtime_ns) for path in sorted(folder.rglob("*"))]
 
 
 def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
