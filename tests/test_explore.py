@@ -36,7 +36,7 @@ assert stopped.picture.axes[2].get_ylabel() == "return, plastic to step 10"
 task.value = "cartpole"
 curves.controls["column"].value = "species"
 assert curves.picture.axes[0].get_ylabel() == "species"
-assert answer.picture.axes[0].get_title() == "CartPole"
+assert answer.picture.axes[0].get_title() == "CartPole, budget demo"
 
 changed = {"task": "cartpole", "method": "bcm", "population": 10, "generations": 5}
 for name, value in changed.items():

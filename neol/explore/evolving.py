@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from neol.analysis.labels import method_label, task_label
+from neol.analysis.labels import drawn, method_label, task_label
 from neol.analysis.style import GREY, WIDTH, drawing, styles
 from neol.evolution import Evolution, Generation
 from neol.rollout import make_engine
@@ -68,15 +68,15 @@ class Evolutions:
         label = f"{method_label(spec.method)} P={spec.population} seed {spec.seed}"
         if spec.plasticity.learns:
             label += f" η={spec.plasticity.learning_rate:g} β={spec.plasticity.reward_scale:g}"
-        engine, drawn = make_engine(spec.task), -float("inf")
+        engine, latest = make_engine(spec.task), -float("inf")
         evolution = Evolution.begin(spec, *network_size(spec.task))
         for _ in evolution.run(engine):
-            if time.monotonic() - drawn >= PICTURE_SECONDS:
+            if time.monotonic() - latest >= PICTURE_SECONDS:
                 yield self._draw(spec, label, evolution.history)
-                drawn = time.monotonic()
+                latest = time.monotonic()
         returns = evolution.held_out_returns(engine)
         engine.close()
-        fresh = f"champion in {len(returns)} fresh episodes: {returns.mean():.1f}"
+        fresh = f"champion in {len(returns)} fresh episodes: {drawn(f'{returns.mean():.1f}')}"
         yield self._draw(spec, label, evolution.history, fresh)
         self.earlier.append((spec.task.name, label, evolution.history))
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from neol.analysis.figures import draw_curve
-from neol.analysis.labels import method_label, task_label
+from neol.analysis.labels import drawn, method_label, task_label
 from neol.analysis.statistics import Floats, mean_interval
 from neol.analysis.style import GREY, WIDTH, drawing, styles
 from neol.champions.player import Player, Trace
@@ -83,7 +83,7 @@ def learning_curves(
             label = f"{method_label(str(method))}, {values.shape[1]} seeds"
             marked = (list(looks).index(str(method)) + 0.5) / len(looks)
             draw_curve(axis, label, looks[str(method)], values.set_axis(x), marked)
-        axis.set_title(f"{task_label(task)}, P = {population}, η = {rate:g}")
+        axis.set_title(f"{task_label(task)}, budget {budget}, P = {population}, η = {rate:g}")
         axis.set_xlabel(axis_label(against))
         axis.set_ylabel(axis_label(column))
         figure.legend(loc="outside right upper")
@@ -117,14 +117,16 @@ def switched_off(player: Player, *, step: int, episodes: int) -> Figure:
     return figure
 
 
-def outcomes(runs: pd.DataFrame, *, task: str, outcome: str, by: str) -> Figure:
-    """An outcome of all runs of a task, grouped by one of their columns: every run, and means.
+def outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, by: str) -> Figure:
+    """An outcome of a budget's runs of a task, grouped by one of their columns: each, and means.
 
+    Runs of other budgets are of another length, or the same runs once more.
     Raises UserError where no run has both.
     """
-    here = runs[(runs["task"] == task) & ~runs["sensitivity"]].dropna(subset=[outcome, by])
+    chosen = (runs["task"] == task) & (runs["budget"] == budget) & ~runs["sensitivity"]
+    here = runs[chosen].dropna(subset=[outcome, by])
     if here.empty:
-        raise UserError(f"no run of {task} has {by} and {outcome}")
+        raise UserError(f"budget {budget} has no run of {task} with {by} and {outcome}")
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.8))
         axis = figure.subplots()
@@ -141,7 +143,7 @@ def outcomes(runs: pd.DataFrame, *, task: str, outcome: str, by: str) -> Figure:
         axis.set_xticks(
             range(len(groups)), [f"{name}\n{n} runs" for name, n in zip(names, counts, strict=True)]
         )
-        axis.set_title(task_label(task))
+        axis.set_title(f"{task_label(task)}, budget {budget}")
         axis.set_xlabel(by.replace("_", " "))
         axis.set_ylabel(OUTCOMES[outcome])
     return figure
@@ -162,4 +164,5 @@ def _pairs(axis: Axes, plastic: Sequence[Trace], frozen: Sequence[Trace], step: 
     axis.set_xlabel("return, plastic to the end")
     axis.set_ylabel(f"return, plastic to step {step}")
     low, high = mean_interval(y - x)
-    axis.set_title(f"Stopping gains {np.mean(y - x):+.1f}\n(95%: {low:+.1f} to {high:+.1f})")
+    gain = f"Stopping gains {np.mean(y - x):+.1f}\n(95%: {low:+.1f} to {high:+.1f})"
+    axis.set_title(drawn(gain))

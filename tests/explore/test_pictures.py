@@ -67,7 +67,9 @@ def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFra
 
 
 def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
-    axis = outcomes(runs, task="cartpole", outcome="held_out", by="learning_rate").axes[0]
+    again = pd.concat([runs, runs.assign(budget="demo")])
+    shown = {"budget": "smoke", "outcome": "held_out"}
+    axis = outcomes(again, task="cartpole", by="learning_rate", **shown).axes[0]
     here = runs[runs["learning_rate"] == 0.25]["held_out"]
     drawn = [line.get_ydata() for line in axis.get_lines()]
     assert list(drawn[2]) == here.tolist()
@@ -76,8 +78,8 @@ def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
         "0.0025\n18 runs",
         "0.25\n18 runs",
     ]
-    with pytest.raises(UserError, match="no run of hopper has method and held_out"):
-        outcomes(runs, task="hopper", outcome="held_out", by="method")
+    with pytest.raises(UserError, match="smoke has no run of hopper with method and held_out"):
+        outcomes(runs, task="hopper", by="method", **shown)
 
 
 def test_plasticity_switched_off_in_mid_episode(tmp_path: Path) -> None:
@@ -97,6 +99,5 @@ def test_plasticity_switched_off_in_mid_episode(tmp_path: Path) -> None:
     assert list(dots.get_xdata()) == x.tolist()
     assert list(dots.get_ydata()) == y.tolist()
     low, high = mean_interval(y - x)
-    assert returns.get_title() == (
-        f"Stopping gains {np.mean(y - x):+.1f}\n(95%: {low:+.1f} to {high:+.1f})"
-    )
+    gain = f"Stopping gains {np.mean(y - x):+.1f}\n(95%: {low:+.1f} to {high:+.1f})"
+    assert returns.get_title() == gain.replace("-", "−")
