@@ -75,18 +75,23 @@ def run_seed(
 
     done = checkpoints.snapshot(evolution)
     saved = done.generation
+
+    def save() -> None:
+        nonlocal saved
+        if checkpoint is not None and done.generation > saved:
+            checkpoints.save(checkpoint, done, cost())
+            saved = done.generation
+
     try:
         for generation in evolution.run(engine):
             done = checkpoints.snapshot(evolution)
-            if checkpoint is not None and done.generation % checkpoint_every == 0:
-                checkpoints.save(checkpoint, done, cost())
-                saved = done.generation
+            if done.generation % checkpoint_every == 0:
+                save()
             if on_generation is not None:
                 on_generation(spec.seed, generation)
         held_out_returns = evolution.held_out_returns(engine)
     except BaseException as error:
-        if checkpoint is not None and done.generation > saved:
-            checkpoints.save(checkpoint, done, cost())
+        save()
         if isinstance(error, UserError):
             place = "held-out episodes" if done.finished else f"generation {done.generation + 1}"
             raise UserError(f"seed {spec.seed}, {place}: {error}") from error
