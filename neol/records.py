@@ -142,7 +142,7 @@ def _no_record(path: Path, error: Exception) -> UserError:
 def _unusable(
     path: Path, reason: str, way_out: str = "restore it, or remove it and run anew"
 ) -> UserError:
-    return UserError(f"{path}: {' '.join(reason.split())[:300]}; {way_out}")
+    return UserError(f"{path}: {' '.join(reason.split())[:300].rstrip('.')}; {way_out}")
 
 
 def _parse(content: bytes) -> tuple[bytes, pa.Table]:

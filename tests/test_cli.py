@@ -144,26 +144,31 @@ def test_wrong_seeds(text: str) -> None:
         ("--task gym:Nope-v0", "Environment `Nope` doesn't exist"),
         ("--task gym:Image-v0", "Image-v0 observes Box(0, 255, (8, 8, 3), uint8); a network needs"),
         ("--output file/a.parquet", "file/a.parquet.partial: cannot be made (Not a directory)"),
-        ("--output .", ".: is a folder; name a file in it"),
+        ("--output .", ".: records are Parquet files; end its name in .parquet"),
+        ("--output folder.parquet", "folder.parquet: is a folder; name a file in it"),
+        ("--output a.csv", "a.csv: records are Parquet files; end its name in .parquet"),
     ],
 )
 def test_wrong_input_of_run(change: str, line: str, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
+    (tmp_path / "folder.parquet").mkdir()
     assert line in refused(f"run {TINY} --output a.parquet {change}")
-    assert names(tmp_path) == ["file"]
+    assert names(tmp_path) == ["file", "folder.parquet"]
 
 
 def test_wrong_commands() -> None:
-    assert "No such command 'rum'" in refused("rum")
-    assert "Missing option '--task'" in refused("run")
-    assert "Missing argument" in refused("digest")
+    assert "No such command 'rum'. Did you mean 'run'? (root --help says more)" in refused("rum")
+    assert "Missing option '--task' (root run --help says more)" in refused("run")
+    assert "Missing argument 'RECORD' (root digest --help says more)" in refused("digest")
     assert 'unknown budget "x"' in refused("config --budget x")
 
 
 def test_records_that_are_none(tmp_path: Path) -> None:
     assert "none.parquet: cannot be read (No such file" in refused("digest none.parquet")
     (tmp_path / "a.parquet").write_bytes(b"hello")
-    assert "a.parquet: damaged or no record of neol's" in refused("digest a.parquet")
+    said = refused("digest a.parquet")
+    assert "a.parquet: damaged or no record of neol's" in said
+    assert ".;" not in said
 
 
 def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:

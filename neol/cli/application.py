@@ -74,7 +74,9 @@ class Commands(TyperGroup):
             status = 2
         except typer.TyperException as error:
             message = " ".join(error.format_message().split())
-            complain(f"{message} (neol COMMAND --help says more)")
+            context = getattr(error, "ctx", None)
+            command = context.command_path if context else "neol"
+            complain(f"{message.rstrip('.')} ({command} --help says more)")
             status = error.exit_code
         sys.exit(status or 0)
 
@@ -99,7 +101,8 @@ def _show_version(wanted: bool) -> None:
 def neol(
     context: typer.Context,
     version: Annotated[  # noqa: ARG001
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Its number.")
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Say which it is."),
     ] = False,
 ) -> None:
     """NEOL: NEAT with reward-gated online plasticity, reproduced from seeded runs."""
@@ -121,7 +124,8 @@ def _budgets(incomplete: str) -> list[str]:
 Budget = Annotated[
     str | None,
     typer.Option(
-        help="Whose constants hold: a file of config/, like desk.", autocompletion=_budgets
+        help="Whose constants hold: a file of config/, like desk; without it paper.",
+        autocompletion=_budgets,
     ),
 ]
 Overrides = Annotated[

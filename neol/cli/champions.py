@@ -111,7 +111,7 @@ def show(
 )
 def compare(
     records: Annotated[
-        list[Path], typer.Argument(metavar="RECORD...", help="Records, or folders of one cell's.")
+        list[Path], typer.Argument(metavar="RECORD", help="Records, or folders of one cell's.")
     ],
     output: Annotated[
         Path | None, typer.Option(help="Learning curves: a .png, .pdf or .svg.")

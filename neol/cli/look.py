@@ -10,7 +10,7 @@ from neol.errors import UserError
 
 
 @app.command(epilog=examples("neol digest a.parquet"))
-def digest(record: Annotated[Path, typer.Argument(help="A record.")]) -> None:
+def digest(record: Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]) -> None:
     """Print each seed of a record and the digest of its trajectory."""
     from neol.records import read_record
 
@@ -19,7 +19,9 @@ def digest(record: Annotated[Path, typer.Argument(help="A record.")]) -> None:
 
 
 @app.command(epilog=examples("neol trace figures/table1.tex"))
-def trace(output: Annotated[Path, typer.Argument(help="A table or figure.")]) -> None:
+def trace(
+    output: Annotated[Path, typer.Argument(metavar="OUTPUT", help="A table or figure.")],
+) -> None:
     """Print what made a table or figure: command, commit, records, runs."""
     from neol.trace import trace
 

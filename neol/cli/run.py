@@ -37,13 +37,13 @@ def run(
     task: Annotated[
         str,
         typer.Option(
-            help="cartpole, lunar_lander, hopper, bipedal_walker, or gym:ID of any other."
+            help="cartpole, lunar_lander, hopper, bipedal_walker(_hardcore), or another's gym:ID."
         ),
     ],
     method: Annotated[str, typer.Option(help=", ".join(METHODS) + ".", autocompletion=_methods)],
     population: Annotated[int, typer.Option(help="P, 2 to 100000.")],
     generations: Annotated[int, typer.Option(help="G, at least 1.")],
-    output: Annotated[Path, typer.Option(help="The record: a Parquet file that does not exist.")],
+    output: Annotated[Path, typer.Option(help="The record: a .parquet that does not exist yet.")],
     learning_rate: Annotated[
         float | None, typer.Option(help="eta, for a method with a plasticity rule only.")
     ] = None,
@@ -78,6 +78,8 @@ def run(
 ) -> None:
     """Run a configuration with one or several seeds into a record."""
     seeds = parse_seeds(seed)
+    if output.suffix != ".parquet":
+        raise UserError(f"{output}: records are Parquet files; end its name in .parquet")
     constants = {
         "--max-steps": (("tasks", task, "max_steps"), max_steps),
         "--episodes": (("evaluation", "episodes"), episodes),

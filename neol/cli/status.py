@@ -17,7 +17,9 @@ PIPED_WIDTH = 200
     epilog=examples("neol status demo", "neol status results/demo", "neol status demo --watch")
 )
 def status(
-    campaign: Annotated[Path, typer.Argument(help="A folder like results/desk, or a budget.")],
+    campaign: Annotated[
+        Path, typer.Argument(metavar="CAMPAIGN", help="A folder like results/desk, or a budget.")
+    ],
     watch: Annotated[
         bool, typer.Option("--watch", help="Go on showing it until the grid is done.")
     ] = False,
@@ -38,6 +40,8 @@ def status(
     from neol.selection import select
     from neol.status import Folder, Status
 
+    if not campaign.name:  # it is "."
+        campaign = Path.cwd()
     path = RESULTS / campaign if len(campaign.parts) == 1 else campaign
     folder = Folder(path, select(path.name, tasks))
     if not path.is_dir():

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 
 @app.command(epilog=examples("neol manifest results/demo"))
-def manifest(folder: Annotated[Path, typer.Argument(help="Of one budget's records.")]) -> None:
+def manifest(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of one budget's records.")],
+) -> None:
     """Write FOLDER/manifest.json anew: the records below it, their digests, what made them."""
     from neol.verification.manifest import NAME, write_manifest
 
@@ -31,7 +33,9 @@ def manifest(folder: Annotated[Path, typer.Argument(help="Of one budget's record
     )
 )
 def verify(
-    paths: Annotated[list[Path], typer.Argument(help="Records, or folders of records.")],
+    paths: Annotated[
+        list[Path], typer.Argument(metavar="PATH", help="Records, or folders of records.")
+    ],
     replay: Annotated[int, typer.Option(min=0, help="Runs to repeat, drawn at random.")] = 0,
     generations: Annotated[
         int, typer.Option(min=1, help="Generations to repeat of each; with the last, all of it.")

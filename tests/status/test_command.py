@@ -20,7 +20,7 @@ def smoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Folder:
 
 
 @pytest.mark.usefixtures("unmeasured")
-def test_status_is_plain_lines(smoke: Folder) -> None:
+def test_status_is_plain_lines(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     finish(job(smoke), cpu_seconds=36.0)
     log(job(smoke, place=1), "neol: disk full\n")
     outcome = neol("status results/smoke")
@@ -40,6 +40,8 @@ def test_status_is_plain_lines(smoke: Folder) -> None:
     assert hebb.split()[:4] == ["cartpole", "hebb", "12", "3"]
     assert hebb.endswith("runs of other populations")
     assert neol("status smoke").stdout.splitlines()[0] == lines[0]
+    monkeypatch.chdir("results/smoke")
+    assert neol("status .").stdout.splitlines()[0].endswith(lines[0])
 
 
 def test_watch_goes_on_until_the_grid_is_done(
