@@ -12,26 +12,28 @@ import warnings
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from benchmarks import report, runs, steps
 from benchmarks.measure import FULL, POPULATION, QUICK, Measurement, Scale, run_spec_of
 from benchmarks.table import Key, summarise
+from neol.complaint import hint
 from neol.errors import UserError
 from neol.rollout import make_engine
 
 
 def main(command_line: Sequence[str] | None = None) -> None:
-    """Measure and write. Arguments are the command line's where None are given."""
+    """Measure and write. Arguments are the command line's where None are given.
+
+    Raises UserError for wrong ones, and where something is missing that the measurements need.
+    """
     arguments = _arguments(command_line)
     logging.disable(logging.WARNING)
     warnings.filterwarnings("ignore")
     begin = time.perf_counter()
-    try:
-        import benchmarks.peer  # noqa: F401  # says at once what it needs
+    import benchmarks.peer  # noqa: F401  # says at once what it needs
 
-        values = run(arguments.tasks, arguments.rounds, arguments.quick)
-    except UserError as error:
-        sys.exit(f"benchmarks: {error}")
+    values = run(arguments.tasks, arguments.rounds, arguments.quick)
     minutes = (time.perf_counter() - begin) / 60
     table = summarise(values)
     note = f"{'quick run, not for comparison; ' * arguments.quick}took {minutes:.1f} minutes"
@@ -97,14 +99,34 @@ def _prepare(
     return measurements
 
 
+class _Parser(argparse.ArgumentParser):
+    """Complains as the other commands do."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UserError(f"{message} ({self.prog} --help says more)")
+
+
+def _tasks(text: str) -> list[str]:
+    tasks = text.split(",")
+    for task in tasks:
+        if task not in FULL:
+            raise argparse.ArgumentTypeError(f'unknown task "{task}"{hint(task, FULL)}')
+    return tasks
+
+
 def _arguments(command_line: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog="neol bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    parser = _Parser(
+        prog="neol bench",
+        description=__doc__,
+        epilog="Examples:\n  neol bench\n  neol bench --quick --tasks cartpole --output /tmp",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--tasks", nargs="+", choices=list(FULL), default=list(FULL))
+    parser.add_argument(
+        "--tasks", type=_tasks, default=list(FULL), help="some only, like cartpole,hopper"
+    )
     parser.add_argument("--rounds", type=int, default=None, help="5, or 2 with --quick")
     parser.add_argument("--quick", action="store_true", help="a small run, to see that all works")
-    parser.add_argument("--output", type=Path, default=report.DOCS)
+    parser.add_argument("--output", type=Path, default=report.DOCS, help="a folder; docs/ if none")
     arguments = parser.parse_args(command_line)
     arguments.rounds = arguments.rounds or (2 if arguments.quick else 5)
     return arguments
@@ -115,4 +137,7 @@ def _say(line: str) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except UserError as error:
+        sys.exit(f"benchmarks: {error}")
