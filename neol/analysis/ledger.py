@@ -86,8 +86,8 @@ def as_latex(decisions: Sequence[Decision], budget: str) -> str:
     )
     return "\n".join(
         [
-            "\\begingroup\\footnotesize",
-            "\\begin{longtable}{p{0.38\\linewidth}llcp{0.2\\linewidth}r}",
+            "\\begingroup\\footnotesize\\setlength{\\tabcolsep}{3pt}",
+            "\\begin{longtable}{p{0.48\\linewidth}llcp{0.22\\linewidth}r}",
             f"  \\caption*{{{escape(caption)}}}\\\\",
             "  \\toprule",
             f"  {head}",

@@ -110,9 +110,14 @@ def _html_line(line: Line) -> str:
     return f'{row}<th scope="row">{html.escape(line.label)}</th>{cells}</tr>'
 
 
-def _latex_line(line: Line) -> str:
+def latex_entry(entry: Entry) -> str:
+    """A value with its emphasis."""
     commands = {"best": "\\textbf{%s}", "runner-up": "\\underline{%s}", "": "%s"}
+    return commands[entry.emphasis] % escape(entry.text)
+
+
+def _latex_line(line: Line) -> str:
     label = f"\\quad {line.label}" if line.is_paper else escape(line.label)
-    cells = [label, *(commands[emphasis] % escape(text) for text, emphasis in line.entries)]
+    cells = [label, *map(latex_entry, line.entries)]
     size, gap = ("\\footnotesize ", " \\addlinespace") if line.is_paper else ("", "")
     return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\" + gap

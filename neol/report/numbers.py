@@ -1,29 +1,39 @@
-"""The numbers in the text of paper/reproduction.tex, each a cell of a file that records made.
+"""The numbers in the text of paper/reproduction.tex, each of a file that records made.
 
-The text writes \\result{table1/hopper/bcm/mean} for that cell of table1.csv: the file, what chooses
-the row, the column. What a budget does not have (a task, say) is printed as a dash.
+The text writes \\result{table1/hopper/bcm/here} for what Table 1 prints of BCM on Hopper, with
+`paper` at its end for the paper's own value beneath it, and \\result{cost/hopper/runs} for what was
+spent. What a budget does not have (a task, say) is printed as a dash.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pandas as pd
 
 from neol.analysis import reference
-from neol.analysis.captions import describe_generations, describe_name, is_papers
+from neol.analysis.captions import (
+    describe_generations,
+    describe_name,
+    describe_samples,
+    is_papers,
+    lacking,
+)
 from neol.analysis.labels import task_label
 from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
+from neol.analysis.table import Table, latex_entry
 from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.report import words
 from neol.report.costs import costs
-from neol.report.inputs import command_line, vouched_frame
+from neol.report.inputs import command_line, vouched_frame, vouched_table
 from neol.spec import Configuration
 
-TABLES = tuple(f"table{number}" for number in range(1, 9))
-"""The files of figures/ whose cells the text may show; task and method choose a row."""
+TABLES = range(1, 9)
+"""The paper's."""
+TOGETHER = {"fitness": (1, 3, 4, 5, 7), "score": (2, 6, 8)}
+"""Which of them each of the text's own tables puts together."""
 
 _DEFINITIONS = r"""
 \makeatletter
@@ -40,10 +50,14 @@ def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
     sidecar is about.
     """
     found = dict(_of_configuration(campaign.configuration))
-    for name in TABLES:
-        table = vouched_frame(figures / f"{name}.csv")
-        found |= dict(_of_table(name, table, ["task", "method"]))
-    found |= dict(_of_table("cost", costs(campaign).reset_index(), ["task"]))
+    found["budget/lacking"] = escape(lacking(campaign))
+    found["budget/samples"] = escape(describe_samples(campaign))
+    tables = {number: vouched_table(campaign, figures, number)[0] for number in TABLES}
+    for table in tables.values():
+        found |= dict(_printed(table))
+    for name, together in TOGETHER.items():
+        found[f"{name}/notes"] = _notes([tables[number] for number in together])
+    found |= dict(_of_costs(costs(campaign)))
     found |= _of_claims(vouched_frame(figures / "claims.csv"))
     return found
 
@@ -104,6 +118,7 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
     yield "budget/name", escape(describe_name(budget))
     yield "budget/generations", escape(describe_generations(budget))
     yield "budget/seeds", _number(budget.seeds)
+    yield "budget/largest_population", _number(max(budget.populations))
     yield "budget/populations", ", ".join(map(_number, budget.populations))
     yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))
     yield "budget/reduced", reduced
@@ -115,12 +130,34 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
         yield f"tasks/{name}/max_steps", _number(task.max_steps)
 
 
-def _of_table(name: str, table: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[str, str]]:
-    for row in table.to_dict("records"):
-        place = "/".join([name, *(str(row.pop(key)) for key in keys)])
-        for column, value in row.items():
-            if isinstance(value, int | float):
-                yield f"{place}/{column}", _number(value)
+def _printed(table: Table) -> Iterator[tuple[str, str]]:
+    """Each entry as the table prints it, and the paper's beneath it."""
+    rows = table.frame.groupby("task", sort=False)["method"]
+    for (task, methods), ours, papers in zip(
+        rows, table.lines[::2], table.lines[1::2], strict=True
+    ):
+        for method, here, paper in zip(methods, ours.entries, papers.entries, strict=True):
+            yield f"{table.name}/{task}/{method}/here", latex_entry(here)
+            yield f"{table.name}/{task}/{method}/paper", latex_entry(paper)
+
+
+def _notes(tables: Iterable[Table]) -> str:
+    """What stands beneath these tables, each note once; the text has the contradictions apart."""
+    whose: dict[str, list[str]] = {}
+    for table in tables:
+        for note in table.notes:
+            if note not in reference.CONTRADICTIONS.get(table.number, ()):
+                whose.setdefault(note, []).append(str(table.number))
+    return " ".join(
+        escape(f"Table{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {note}")
+        for note, numbers in whose.items()
+    )
+
+
+def _of_costs(spent: pd.DataFrame) -> Iterator[tuple[str, str]]:
+    for task, row in spent.iterrows():
+        for name, value in row.items():
+            yield f"cost/{task}/{name}", _number(float(value))
 
 
 def _of_claims(parts: pd.DataFrame) -> dict[str, str]:

@@ -31,8 +31,8 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the page and the paper read of these runs; a ledger of two claims, a grey picture."""
     folder = tmp_path_factory.mktemp("figures")
-    for name in TABLES:
-        getattr(tables, name)(campaign).write(folder)
+    for number in TABLES:
+        getattr(tables, f"table{number}")(campaign).write(folder)
     outcomes = gather(campaign)
     some = [
         claim for claim in load_claims() if claim.id in ("higher-returns", "cartpole-converges")

@@ -21,15 +21,14 @@ TEXT = (ROOT / "paper" / "reproduction.tex").read_text(encoding="utf-8")
 def names() -> set[str]:
     """Every name that the text gives to \\result, for each of the tasks."""
     text = TEXT
-    for macro, column in (("meansd", "mean"), ("meansd", "sd"), ("papermeansd", "paper_mean")):
-        for table, task, method in re.findall(rf"\\{macro}{{(.+?)}}{{(.+?)}}{{(.+?)}}", TEXT):
-            text += rf"\result{{{table}/{task}/{method}/{column}}}"
+    for place, whose in re.findall(r"\\rules{(table.+?)}{(.+?)}", TEXT):
+        text += "".join(rf"\result{{{place}/{rule}/{whose}}}" for rule in ("bcm", "hebb", "oja"))
     found = re.findall(r"\\result{([^}]*)}", " ".join(text.split()))
     return {
         name.replace("#1", task)
         for name in found
         for task in TASKS
-        if not re.search(r"#[23]|^#1/|tasks/#1/label", name)
+        if not re.search(r"#2|^#1/", name)
     }
 
 
@@ -112,7 +111,7 @@ def typed_numbers(text: str) -> list[str]:
         r"(?m)(?<!\\)%.*$",
         r"(?s)\\begin{equation\*}.*?\\end{equation\*}",
         r"\$[^$]*\$",
-        r"(?s)\\(?:result|input|label|ref|cite|drawing|meansd|papermeansd|begin|end|newcommand)(?:\[[^]]*\]|{[^{}]*})+",
+        r"(?s)\\(?:result|input|label|ref|cite|drawing|rules|begin|end|newcommand)(?:\[[^]]*\]|{[^{}]*})+",
         r"(?:Tables?|Figures?|Sections?|Algorithms?|Equations?)[ ~](?:\d+(?:\.\d+)?(?:, | and )?)+",
         r"figures/table\d",
         r"#\d",
