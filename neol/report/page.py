@@ -22,6 +22,7 @@ from neol.analysis.sidecar import Sidecar
 from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.provenance import provenance
+from neol.report import words
 from neol.report.costs import costs
 from neol.report.inputs import command_line, read, vouched, vouched_frame, vouched_table
 from neol.report.showcase import Showcase, Shown
@@ -49,6 +50,8 @@ class Judged:
     claim: Claim
     verdict: str
     parts: list[dict[Hashable, Any]]
+    lacks: str | None
+    """What would decide it, where it is open."""
 
 
 def page(campaign: Campaign, figures: Path, champions: Path) -> str:
@@ -116,10 +119,16 @@ def _caption(name: str) -> str:
 
 def _judged(figures: Path) -> list[Judged]:
     claims = {claim.id: claim for claim in load_claims()}
-    parts = vouched_frame(figures / "claims.csv")
+    ledger = vouched_frame(figures / "claims.csv")
+    lacks = {name: words.lacks(parts) for name, parts in words.open_parts(ledger)}
     return [
-        Judged(claims[str(name)], group["verdict"].iloc[0], group.to_dict("records"))
-        for name, group in parts.groupby("claim", sort=False)
+        Judged(
+            claims[str(name)],
+            parts["verdict"].iloc[0],
+            parts.to_dict("records"),
+            lacks.get(str(name)),
+        )
+        for name, parts in ledger.groupby("claim", sort=False)
     ]
 
 

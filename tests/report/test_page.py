@@ -148,6 +148,12 @@ def test_it_names_its_budget_and_marks_it_as_reduced(text: str) -> None:
     assert "Reduced budget: not the paper&#39;s." in text
 
 
+def test_an_open_claim_has_one_part_that_it_hangs_on_and_what_would_decide_it(text: str) -> None:
+    claim = text.split('id="claim-cartpole-converges"')[1].split("</details>")[0]
+    assert claim.count("the verdict hangs on this part") == 1
+    assert "seeds that would decide it:</b> fewer than 5 seeds" in claim
+
+
 def test_foreign_text_is_escaped_and_an_unfilmed_champion_says_why(text: str) -> None:
     assert "CartPole: &lt;BCM&gt;, seed 1" in text
     assert "Not filmed: no EGL here" in text
