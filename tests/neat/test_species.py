@@ -1,9 +1,11 @@
-"""Distance, speciation, stagnation and sharing, by hand."""
+"""Distance, speciation, stagnation and sharing: by hand, and against a plain twin."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from neol.constants import Neat
 from neol.neat.genome import Genome
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
@@ -46,6 +48,52 @@ def test_distance_is_symmetric_and_zero_to_itself(
     one, other = grown[0][:2]
     assert distance(one, other, NEAT) == distance(other, one, NEAT) >= 0.0
     assert distance(one, one, NEAT) == 0.0
+
+
+def plain_distance(one: Genome, other: Genome, neat: Neat) -> float:
+    """Algorithm 3, line 3, gene by gene."""
+    ours, theirs = (
+        {int(gene["innovation"]): float(gene["weight"]) for gene in genome.connections}
+        for genome in (one, other)
+    )
+    matching = sorted(ours.keys() & theirs.keys())
+    larger = max(len(ours), len(theirs))
+    n = larger if neat.distance_normaliser == "larger_genome" else len(matching)
+    unmatched = neat.disjoint_coefficient * len(ours.keys() ^ theirs.keys())
+    difference = neat.weight_coefficient * sum(abs(ours[each] - theirs[each]) for each in matching)
+    return unmatched / max(n, 1) + difference / max(len(matching), 1)
+
+
+def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> list[int]:
+    """The species of each genome, one after the other; new founders join the list."""
+    homes = []
+    for genome in genomes:
+        offered = [plain_distance(genome, founder, neat) for founder in founders]
+        if not offered or min(offered) > neat.compatibility_threshold:
+            founders.append(genome)
+            offered.append(0.0)
+        homes.append(offered.index(min(offered)))
+    return homes
+
+
+@given(
+    populations, st.sampled_from([0.5, 1.5, 3.0]), st.sampled_from(["matching", "larger_genome"])
+)
+@settings(max_examples=30, deadline=None)
+def test_speciation_is_that_of_a_plain_twin(
+    grown: tuple[list[Genome], Reproduction], threshold: float, normaliser: str
+) -> None:
+    genomes, _ = grown
+    neat = neat_constants(compatibility_threshold=threshold, distance_normaliser=normaliser)
+    species_set, founders = SpeciesSet(), list[Genome]()
+    for generation in (genomes[: len(genomes) // 2], genomes):
+        population = Population.of(generation)
+        population.fitness = np.zeros(len(generation))
+        speciate(population, species_set, neat)
+        homes = plain_species(generation, founders, neat)
+        assert dict(members_of(species_set)) == {
+            id: [place for place, home in enumerate(homes) if home == id] for id in set(homes)
+        }
 
 
 def weighted(weights: list[float], fitness: list[float] | None = None) -> Population:
