@@ -87,7 +87,7 @@ def as_latex(decisions: Sequence[Decision], budget: str) -> str:
     return "\n".join(
         [
             "\\begingroup\\footnotesize\\setlength{\\tabcolsep}{3pt}",
-            "\\begin{longtable}{p{0.48\\linewidth}llcp{0.22\\linewidth}r}",
+            "\\begin{longtable}{p{0.47\\linewidth}llcp{0.22\\linewidth}r}",
             f"  \\caption*{{{escape(caption)}}}\\\\",
             "  \\toprule",
             f"  {head}",

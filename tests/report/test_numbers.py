@@ -2,17 +2,20 @@
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from neol.analysis import tables
 from neol.analysis.labels import TASKS
+from neol.analysis.reference import CONTRADICTIONS
 from neol.analysis.runs import Campaign
 from neol.campaign import cells
 from neol.errors import UserError
 from neol.report.costs import costs
-from neol.report.numbers import _number, numbers, results_tex
+from neol.report.numbers import _notes, _number, numbers, results_tex
 from neol.spec import ROOT
 
 TEXT = (ROOT / "paper" / "reproduction.tex").read_text(encoding="utf-8")
@@ -36,6 +39,19 @@ def test_every_number_that_the_text_names_is_there(campaign: Campaign, figures: 
     there = numbers(campaign, figures)
     assert len(names()) > 50
     assert sorted(names() - there.keys()) == []
+
+
+def test_entries_are_as_the_tables_print_them(campaign: Campaign, figures: Path) -> None:
+    there = numbers(campaign, figures)
+    assert there["table1/hopper/bcm/here"] == r"\textbf{7.00 $\pm$ 0.00}"
+    assert there["table1/hopper/bcm/paper"] == r"\textbf{2983.82 $\pm$ 479.79}"
+    assert there["table5/hopper/hebb/paper"] == "5.746e$-$2"
+
+
+def test_notes_stand_once_and_contradictions_elsewhere(campaign: Campaign) -> None:
+    first = replace(tables.table1(campaign), notes=("(a) 2 seeds.", *CONTRADICTIONS[1]))
+    second = replace(tables.table7(campaign), notes=("(a) 2 seeds.", "(b) No run."))
+    assert _notes([first, second]) == "Tables 1, 7: (a) 2 seeds. Table 7: (b) No run."
 
 
 def test_costs_add_up(campaign: Campaign) -> None:
