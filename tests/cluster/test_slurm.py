@@ -25,7 +25,7 @@ from neol.partial import partial_folder
 from neol.records import read_record
 from neol.rollout import make_engine
 from neol.run import run_seed
-from neol.spec import ROOT, Configuration, load_configuration
+from neol.spec import Configuration, load_configuration
 from tests.cluster.slurm import missing, slurm
 from tests.workflow.clone import fresh_clone
 
@@ -71,8 +71,6 @@ def cluster() -> Iterator[Environment]:
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     clone = fresh_clone(tmp_path_factory.mktemp("cluster") / "neol")
     (clone / "sitecustomize.py").write_text(OFTEN)
-    for compiled in (ROOT / "neol" / "rollout" / "box2d").glob("core*.so"):
-        shutil.copy2(compiled, clone / compiled.relative_to(ROOT))
     return clone
 
 

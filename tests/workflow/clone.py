@@ -1,4 +1,4 @@
-"""A fresh clone of this checkout, and snakemake in it."""
+"""A fresh clone of this checkout, with what is compiled here, and snakemake in it."""
 
 import os
 import re
@@ -7,6 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from numba.core.caching import _CacheLocator
+
+from neol.kernel import _cache_folder
+from neol.rollout.box2d.library import LIBRARY
 from neol.selection import figures_folder, select
 from neol.spec import ROOT
 
@@ -28,7 +32,28 @@ def fresh_clone(folder: Path) -> Path:
             shutil.copy2(ROOT / path, folder / path)
         else:
             (folder / path).unlink(missing_ok=True)
+    if LIBRARY.exists():
+        shutil.copy2(LIBRARY, folder / LIBRARY.relative_to(ROOT))
+    _share_kernels(folder)
     return folder
+
+
+def _share_kernels(clone: Path) -> None:
+    """Let a clone use the kernels compiled here, which would come out the same.
+
+    Numba's cache has a folder for each folder of sources, and asks for the sources' times.
+    """
+    sources = sorted((ROOT / "neol").rglob("*.py"))
+    for source in sources:
+        shutil.copystat(source, clone / source.relative_to(ROOT))
+    for package in {source.parent for source in sources}:
+        ours, its = (
+            _cache_folder() / _CacheLocator.get_suitable_cache_subpath(folder / "any.py")
+            for folder in (package, clone / package.relative_to(ROOT))
+        )
+        ours.mkdir(exist_ok=True)
+        if not its.exists():
+            its.symlink_to(ours)
 
 
 def snakemake(clone: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -7,7 +7,6 @@ A block with a title is a file that the blocks after it use. What would take hou
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -69,9 +68,6 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (environment / "bin").symlink_to(Path(sys.executable).parent)
     for stamp in (".environment", ".ready"):
         (environment / stamp).touch()
-    core = next((ROOT / "neol/rollout/box2d").glob("core.*so"), None)
-    if core is not None:
-        shutil.copy2(core, clone / core.relative_to(ROOT))
     return clone
 
 
