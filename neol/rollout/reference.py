@@ -47,6 +47,7 @@ def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.En
     rendered = {} if render_mode is None else {"render_mode": render_mode}
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*out of date.*", category=DeprecationWarning)
+        warnings.filterwarnings("ignore", message=".*render_modes.*")
         try:
             environment = gymnasium.make(
                 task.environment,

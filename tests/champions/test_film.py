@@ -73,14 +73,29 @@ class Undrawn(gymnasium.Env[np.ndarray, int]):
         raise OSError("no\nlibrary")
 
 
-def test_what_cannot_be_drawn_is_said_in_one_line(player_of: MakePlayer) -> None:
-    gymnasium.register("Undrawn-v0", Undrawn)
+class Blind(Undrawn):
+    """It does not know what drawing is."""
+
+    metadata = {}  # noqa: RUF012
+
+    def __init__(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("environment", "reason"), [(Undrawn, "no library"), (Blind, ".*'render_mode'.*")]
+)
+def test_what_cannot_be_drawn_is_said_in_one_line(
+    environment: type[Undrawn], reason: str, player_of: MakePlayer, recwarn: pytest.WarningsRecorder
+) -> None:
+    gymnasium.register("Undrawn-v0", environment)
     player = player_of("cartpole")
     task = player.spec.task.model_copy(update={"environment": "Undrawn-v0"})
     undrawn = replace(player, spec=player.spec.model_copy(update={"task": task}))
-    with pytest.raises(UserError, match=r"Undrawn-v0 cannot be drawn here \(no library\); choose"):
+    with pytest.raises(UserError, match=rf"Undrawn-v0 cannot be drawn here \({reason}\); choose"):
         film(undrawn, 0)
     gymnasium.registry.pop("Undrawn-v0")
+    assert not recwarn.list
 
 
 def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
