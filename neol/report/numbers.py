@@ -46,8 +46,8 @@ _DEFINITIONS = r"""
 def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
     """Every number that the text may show, by name, as LaTeX.
 
-    Raises UserError where a file is missing from the folder `figures`, or is not the one that its
-    sidecar is about.
+    Raises UserError where a file is missing from the folder `figures`, or is not what its sidecar
+    or the records say.
     """
     found = dict(_of_configuration(campaign.configuration))
     found["budget/lacking"] = escape(lacking(campaign))

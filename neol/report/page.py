@@ -51,7 +51,7 @@ class Judged:
     verdict: str
     parts: list[dict[Hashable, Any]]
     lacks: str | None
-    """What would decide it, where it is open."""
+    """Of an open claim: why it is open, or the seeds that would decide it."""
 
 
 def page(campaign: Campaign, figures: Path, champions: Path) -> str:
