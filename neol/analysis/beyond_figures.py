@@ -53,7 +53,7 @@ def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
             outcome = "SCORE" if metric == "score" else "Final fitness"
             text = f"{outcome} vs {method_label(against)}"
             place = 0.62 - group * group_height
-            label = axes[0].text(-0.01, place, text, size=6.5, color=GREY, bbox=GROUND)
+            label = axes[0].text(-0.01, place, text, size=7, color=GREY, bbox=GROUND)
             label.set_in_layout(False)
         axes[0].set_ylim(min(places.values()) - 0.5, 1.2)
         _below(axes, "Probability that a run of the rule ends higher (A12)")

@@ -231,7 +231,7 @@ def _write_cells(axis: Axes, mean: Floats, count: Floats, seeds: int, scale: Nor
         if 0 < there < seeds:
             text += f"\n{there}/{seeds}"
         label = axis.text(
-            column, row, text, ha="center", va="center", fontsize=6.5, color=ink, linespacing=1
+            column, row, text, ha="center", va="center", fontsize=7, color=ink, linespacing=1
         )
         if there < seeds:
             ground = COLOUR_MAP(scale(value)) if there else "white"

@@ -104,9 +104,9 @@ def drawing() -> Iterator[None]:
 
 def footer(figure: Figure, text: str) -> None:
     """A small line or two below a figure: budget, and what is missing."""
-    characters = int(figure.get_figwidth() * 21)
+    characters = int(figure.get_figwidth() * 19)
     lines = [line for part in text.splitlines() for line in textwrap.wrap(part, characters)]
-    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=6.5, color=GREY)
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=7, color=GREY)
 
 
 def save(figure: Figure, path: Path) -> list[Path]:
