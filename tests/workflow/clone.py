@@ -5,14 +5,17 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from numba.core.caching import _CacheLocator
 
+from neol.jobs import Job, jobs
 from neol.kernel import _cache_folder
 from neol.rollout.box2d.library import LIBRARY
+from neol.run import run_block
 from neol.selection import figures_folder, select
-from neol.spec import ROOT
+from neol.spec import ROOT, load_configuration
 
 SMOKE = ("--config", "budget=smoke")
 FIGURES = figures_folder(select("smoke").budget)
@@ -46,6 +49,7 @@ def _share_kernels(clone: Path) -> None:
     sources = sorted((ROOT / "neol").rglob("*.py"))
     for source in sources:
         shutil.copystat(source, clone / source.relative_to(ROOT))
+    subprocess.run(["git", "update-index", "-q", "--refresh"], cwd=clone)  # git asks for them too
     for package in {source.parent for source in sources}:
         ours, its = (
             _cache_folder() / _CacheLocator.get_suitable_cache_subpath(folder / "any.py")
@@ -54,6 +58,12 @@ def _share_kernels(clone: Path) -> None:
         ours.mkdir(exist_ok=True)
         if not its.exists():
             its.symlink_to(ours)
+
+
+def make_records(clone: Path, wanted: Callable[[Job], bool]) -> None:
+    """Make some of the smallest budget's records here, which starts no process for each."""
+    for job in filter(wanted, jobs(load_configuration("smoke"))):
+        run_block(job.spec, job.seeds, clone / job.record, budget="smoke")
 
 
 def snakemake(clone: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from neol.spec import ROOT
-from tests.workflow.clone import fresh_clone
+from tests.workflow.clone import fresh_clone, make_records
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 FENCE = re.compile(r"^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -61,13 +61,17 @@ def blocks(page: Path) -> list[Block]:
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A fresh clone that takes this environment for its own."""
+    """A fresh clone that takes this environment for its own.
+
+    Of what Table 1 shows, one task's records are missing; test_smoke makes them all.
+    """
     clone = fresh_clone(tmp_path_factory.mktemp("documents") / "neol")
     environment = clone / ".venv"
     environment.mkdir()
     (environment / "bin").symlink_to(Path(sys.executable).parent)
     for stamp in (".environment", ".ready"):
         (environment / stamp).touch()
+    make_records(clone, lambda job: job.part != "sensitivity" and job.spec.task.name != "cartpole")
     return clone
 
 
