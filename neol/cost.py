@@ -48,12 +48,15 @@ def evaluation_seconds(get: Get, task: str, method: str, steps: float) -> float:
 def run_seconds(spec: RunSpec, get: Get = shipped, *, to_the_limit: bool = False) -> float | None:
     """Core-seconds of one run, its held-out episodes left out; None for a task never measured.
 
-    Episodes are as long as in the last third of the short runs, or all as long as they may be.
+    Episodes are as long as in the short runs, and after the generations of these as in their last
+    third; or all as long as they may be.
     """
-    task, limit = spec.task.name, spec.task.max_steps
-    usual = get("short_run_late_steps", task, like(spec.method))
-    if usual is None:
+    task, method, limit = spec.task.name, like(spec.method), spec.task.max_steps
+    early, late = (get(f"short_run_{part}", task, method) for part in ("steps", "late_steps"))
+    if early is None or late is None:
         return None
+    measured = min((get("short_run_generations", task, "") or 0.0) / spec.generations, 1.0)
+    usual = measured * early + (1.0 - measured) * late
     steps = limit if to_the_limit else min(usual, limit)
     evaluations = spec.generations * spec.population * spec.evaluation.episodes
     return evaluations * evaluation_seconds(get, task, spec.method, steps)
