@@ -1,9 +1,14 @@
-"""The smoke budget from a fresh clone to Table 1, once; then what a second call plans."""
+"""The smallest budget in a fresh clone: to Table 1, and what is planned then; then everything.
+
+Everything has its page, and its paper where there is LaTeX.
+"""
 
 import csv
+import hashlib
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -15,10 +20,14 @@ import pytest
 import yaml
 
 from neol.analysis.choice import candidates
+from neol.analysis.labels import HEATMAPS
 from neol.campaign import blocks
 from neol.records import read_record, write_record
+from neol.report.page import BEYOND
 from neol.spec import load_configuration
-from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
+from neol.trace import trace
+from tests.report.test_page import Outline
+from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, make_records, planned, snakemake
 
 pytestmark = pytest.mark.slow
 
@@ -122,3 +131,83 @@ def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
         assert planned(clone, TARGET, *SMOKE) == {"run": affected, "tables_notebook": 1}
     finally:
         smoke.write_text(before)
+
+
+# --- Everything ---------------------------------------------------------------------------------
+
+PAPER = ("paper" if FIGURES.name == "figures" else FIGURES) / Path("reproduction.pdf")
+HAS_LATEX = shutil.which("latexmk") is not None
+NEEDS_LATEX = pytest.mark.skipif(not HAS_LATEX, reason="no LaTeX on this machine")
+TABLES = [*(f"table{number}" for number in range(1, 9)), "claims"]
+PICTURES = [
+    *(f"figure{number}" for number in (2, 3, *HEATMAPS)),
+    *(f"beyond_{name}" for name in BEYOND),
+]
+
+
+@pytest.fixture(scope="module")
+def whole(clone: Path) -> Path:
+    """The clone after `snakemake all`, and the paper.
+
+    Of the sensitivity study, one task's trials are the workflow's.
+    """
+    make_records(clone, lambda job: job.part == "sensitivity" and job.spec.task.name != "cartpole")
+    made = snakemake(clone, "all", *([str(PAPER)] if HAS_LATEX else []), *SMOKE)
+    assert made.returncode == 0, made.stdout[-4000:] + made.stderr[-4000:]
+    return clone
+
+
+def test_every_table_and_figure_is_there_and_traced(whole: Path) -> None:
+    for names, kinds in ((TABLES, ("tex", "csv")), (PICTURES, ("pdf", "png"))):
+        for name in names:
+            for kind in kinds:
+                lines = list(trace(whole / FIGURES / f"{name}.{kind}", whole))
+                assert not [line for line in lines if line.endswith(("since)", "here)"))]
+
+
+def test_a_second_call_for_everything_has_nothing_to_do(whole: Path) -> None:
+    assert planned(whole, "all", *SMOKE) == {}
+
+
+def test_the_page_is_whole(whole: Path) -> None:
+    outline = Outline((whole / FIGURES / "report.html").read_text(encoding="utf-8"))
+    assert {link.removeprefix("#") for link in outline.links} <= outline.ids.keys()
+    assert {*TABLES, *PICTURES, "champion-hopper"} <= outline.ids.keys()
+    assert all(source.startswith("data:image/") for source in outline.sources)
+
+
+def test_snakemake_reports_with_captions(whole: Path) -> None:
+    made = snakemake(whole, "--report", "snakemake.html", "tables", "figures", *SMOKE)
+    assert made.returncode == 0, made.stderr
+    caption = (whole / "paper/captions/figure2.rst").read_text().strip()
+    assert json.dumps(caption)[1:-1] in (whole / "snakemake.html").read_text()
+
+
+@NEEDS_LATEX
+def test_the_paper_is_about_eight_pages_and_refers_to_what_is_there(whole: Path) -> None:
+    log = (whole / "build/smoke/paper/reproduction.log").read_text(errors="replace")
+    written = re.search(r"Output written on .*\((\d+)\s+pages", log.replace("\n", ""))
+    assert written
+    assert 7 <= int(written[1]) <= 12
+    assert "undefined" not in log
+
+
+@NEEDS_LATEX
+def test_the_paper_comes_out_the_same_again(whole: Path) -> None:
+    before = hashlib.sha256((whole / PAPER).read_bytes()).hexdigest()
+    shutil.rmtree(whole / "build/smoke/paper")
+    made = snakemake(whole, str(PAPER), *SMOKE)
+    assert made.returncode == 0, made.stderr
+    assert hashlib.sha256((whole / PAPER).read_bytes()).hexdigest() == before
+
+
+def test_without_latex_the_paper_says_what_to_install(whole: Path, tmp_path: Path) -> None:
+    for tool in ("bash", "dirname", "env"):
+        (tmp_path / tool).symlink_to(shutil.which(tool) or "")
+    command = ["paper/build.sh", "paper/reproduction.tex", "build/results.tex", "out.pdf"]
+    ran = subprocess.run(
+        command, cwd=whole, env={"PATH": str(tmp_path)}, capture_output=True, text=True
+    )
+    assert ran.returncode == 1
+    assert re.fullmatch(r"neol: out\.pdf needs LaTeX.*apt install latexmk .*\n", ran.stderr)
+    assert not (whole / "out.pdf").exists()
