@@ -46,7 +46,7 @@ test: $(READY)
 	$(RUN) snakemake --lint
 	$(RUN) snakefmt --check Snakefile rules
 	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
-	$(RUN) pytest --numprocesses 2 --dist loadfile
+	$(RUN) pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
 # The peer, neat-python, is no dependency of the library: it is installed here only.
 bench: $(READY)
