@@ -13,6 +13,8 @@ from neol.evolution import Generation
 
 PLAIN_SECONDS = 5.0
 """Plain lines come no oftener; the last one always comes."""
+START_UP = 2
+"""Generations whose time says nothing: episodes are compiled in the first, breeding in the next."""
 
 
 class Display:
@@ -65,7 +67,6 @@ class Progress(Display):
         super().__init__()
         self._seeds = seeds
         self._generations = generations
-        # Speed is measured from the first generation on: that one also pays for start-up.
         self._begin = 0.0
         self._calls = 0
         self._steps = 0
@@ -76,7 +77,7 @@ class Progress(Display):
         before = self._last[1] if self._last[0] == seed else 0
         self._last = seed, generation.env_steps
         self._calls += 1
-        if self._calls == 1:
+        if self._calls <= START_UP:
             self._begin = now
         else:
             self._steps += generation.env_steps - before
@@ -92,11 +93,11 @@ class Progress(Display):
             f"mean {generation.mean_fitness:.1f}",
             f"species {generation.species}",
         ]
-        if self._calls > 1 and seconds > 0.0:
+        if self._calls > START_UP and seconds > 0.0:
             ahead = len(self._seeds) - place
             left = ahead * self._generations - generation.generation
             parts.append(f"{self._steps / seconds:,.0f} steps/s")
-            parts.append(f"{duration(left * seconds / (self._calls - 1))} left")
+            parts.append(f"{duration(left * seconds / (self._calls - START_UP))} left")
         return "  ".join(parts)
 
 

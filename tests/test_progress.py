@@ -24,18 +24,20 @@ def generation(number: int, env_steps: int) -> Generation:
 
 
 def test_progress_lines(capsys: pytest.CaptureFixture[str], clock: list[float]) -> None:
-    with Progress([3, 8], 3) as progress:
+    with Progress([3, 8], 4) as progress:
         progress(3, generation(1, 500))
-        clock[0] += 2
-        progress(3, generation(2, 2500))  # 2 s after the first: not shown
+        clock[0] += 1
+        progress(3, generation(2, 2500))  # 1 s after the first: not shown
         clock[0] += 2
         progress(3, generation(3, 4500))  # nor this
+        clock[0] += 1
+        progress(3, generation(4, 5500))  # nor this
         clock[0] += 2
         progress(8, generation(1, 2000))
     assert capsys.readouterr().err.splitlines() == [
-        "seed 3 (1 of 2)  generation 1/3  best 200.0  mean 51.2  species 3",
-        "seed 8 (2 of 2)  generation 1/3  best 200.0  mean 51.2  species 3  "
-        "1,000 steps/s  0:04 left",
+        "seed 3 (1 of 2)  generation 1/4  best 200.0  mean 51.2  species 3",
+        "seed 8 (2 of 2)  generation 1/4  best 200.0  mean 51.2  species 3  "
+        "1,000 steps/s  0:05 left",
     ]
 
 
@@ -45,7 +47,18 @@ def test_the_last_line_always_comes(capsys: pytest.CaptureFixture[str], clock: l
         clock[0] += 2
         progress(3, generation(2, 900))
     _, last = capsys.readouterr().err.splitlines()
-    assert last.endswith("generation 2/5  best 200.0  mean 51.2  species 3  200 steps/s  0:06 left")
+    assert last.endswith("generation 2/5  best 200.0  mean 51.2  species 3")
+
+
+def test_compiling_is_left_out_of_the_time_left(
+    capsys: pytest.CaptureFixture[str], clock: list[float]
+) -> None:
+    with Progress([3], 5) as progress:
+        for number, seconds in enumerate((17, 26, 2), 1):
+            clock[0] += seconds
+            progress(3, generation(number, 400 * number))
+    *_, last = capsys.readouterr().err.splitlines()
+    assert last.endswith("generation 3/5  best 200.0  mean 51.2  species 3  200 steps/s  0:04 left")
 
 
 def test_a_line_is_not_said_twice(capsys: pytest.CaptureFixture[str], clock: list[float]) -> None:
