@@ -47,12 +47,11 @@ def open_regular(path: Path) -> BufferedReader:
     try:
         file = open(path, "rb", opener=_without_blocking)  # noqa: SIM115
     except (OSError, ValueError) as error:  # a name from a file may hold a zero
-        reason = getattr(error, "strerror", error)
-        raise UserError(f"{path}: cannot be read ({reason})") from None
+        raise _unreadable(path, getattr(error, "strerror", error)) from None
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
     file.close()
-    raise UserError(f"{path}: cannot be read (no regular file)")
+    raise _unreadable(path, "no regular file")
 
 
 def read_bounded(path: Path, limit: int) -> bytes:
@@ -61,7 +60,7 @@ def read_bounded(path: Path, limit: int) -> bytes:
         try:
             content = file.read(limit + 1)
         except OSError as error:
-            raise UserError(f"{path}: cannot be read ({error.strerror})") from None
+            raise _unreadable(path, error.strerror) from None
     if len(content) > limit:
         raise UserError(f"{path}: larger than {limit} bytes, so not a file of neol's")
     return content
@@ -96,6 +95,10 @@ def files_below(folder: Path, pattern: str, above: tuple[Path, ...] = ()) -> Ite
             yield path
         if path.is_dir():
             yield from files_below(path, pattern, (*above, here))
+
+
+def _unreadable(path: Path, reason: object) -> UserError:
+    return UserError(f"{path}: cannot be read ({reason}); check its name and its rights")
 
 
 def _without_blocking(path: str, flags: int) -> int:

@@ -58,7 +58,8 @@ def rule(change: Change) -> Change:
 def find_rule(name: str) -> Rule:
     """The rule of that name. Raises UserError where there is none."""
     if name not in RULES:
-        raise UserError(f'unknown rule "{name}"{hint(name, RULES)}')
+        way_out = 'if a script adds it, say "python SCRIPT" for "neol" (docs/how-to/add-a-rule.md)'
+        raise UserError(f'unknown rule "{name}"{hint(name, RULES)}; {way_out}')
     return RULES[name]
 
 
