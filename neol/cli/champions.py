@@ -7,6 +7,7 @@ import typer
 
 from neol.cli.application import DISAGREES, app, complain, examples
 from neol.errors import UserError
+from neol.rules import find_rule
 
 if TYPE_CHECKING:
     from neol.champions.player import Player
@@ -45,7 +46,7 @@ def replay(
         if gif.suffix.lower() != ".gif":
             raise UserError(f"{gif}: films are GIFs; end its name in .gif")
     player = load_champion(record, seed)
-    _check_episode(record, player, first)
+    _check_playable(record, player, first)
     if human:
         need_display()
     there = len(player.held_out_seeds)
@@ -94,7 +95,7 @@ def show(
     _check_output(output)
     player = load_champion(record, seed)
     if plasticity:
-        _check_episode(record, player, episode)
+        _check_playable(record, player, episode)
         figure = plasticity_figure(player, player.play(player.held_out_seeds[episode]))
     else:
         figure = network_figure(player)
@@ -171,14 +172,18 @@ def export(
 
 
 def _check_output(output: Path) -> None:
-    """Refuse before the work what could not be written after it."""
+    """Refuse before the work what could not be written after it; a folder is made then."""
     if output.is_dir():
         raise UserError(f"{output}: is a folder; name a file in it")
-    if not output.parent.is_dir():
-        raise UserError(f"{output}: there is no folder {output.parent}; make it first")
 
 
-def _check_episode(record: Path, player: "Player", episode: int) -> None:
+def _check_playable(record: Path, player: "Player", episode: int) -> None:
+    """Refuse before the first line an episode that is not there, or whose rule is not."""
     count = len(player.recorded_returns)
     if episode >= count:
         raise UserError(f"{record}: has no held-out episode {episode}; they are 0 to {count - 1}")
+    if player.spec.plasticity.learns:
+        try:
+            find_rule(player.spec.plasticity.rule)
+        except UserError as error:
+            raise UserError(f"{record}: {error}") from None
