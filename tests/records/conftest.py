@@ -37,8 +37,5 @@ def path(content: bytes, tmp_path: Path) -> Path:
 
 
 def same(one: Record, other: Record) -> bool:
-    return (one.spec, one.budget, one.seeds) == (
-        other.spec,
-        other.budget,
-        other.seeds,
-    ) and one.table.equals(other.table)
+    described = [(record.spec, record.budget, record.seeds) for record in (one, other)]
+    return described[0] == described[1] and one.table.equals(other.table)

@@ -44,12 +44,13 @@ def fresh_clone(folder: Path) -> Path:
 def _share_kernels(clone: Path) -> None:
     """Let a clone use the kernels compiled here, which would come out the same.
 
-    Numba's cache has a folder for each folder of sources, and asks for the sources' times.
+    Numba's cache has a folder for each folder of sources, and asks for the sources' times, as git
+    does, which must not take them for changed.
     """
     sources = sorted((ROOT / "neol").rglob("*.py"))
     for source in sources:
         shutil.copystat(source, clone / source.relative_to(ROOT))
-    subprocess.run(["git", "update-index", "-q", "--refresh"], cwd=clone)  # git asks for them too
+    subprocess.run(["git", "update-index", "-q", "--refresh"], cwd=clone)
     for package in {source.parent for source in sources}:
         ours, its = (
             _cache_folder() / _CacheLocator.get_suitable_cache_subpath(folder / "any.py")
