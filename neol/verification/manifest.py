@@ -9,13 +9,16 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, ValidationError
 from pydantic_core import PydanticCustomError
 
+from neol.campaign import RESULTS
 from neol.complaint import one_line
 from neol.errors import UserError
 from neol.files import files_below, read_bounded, write_atomically
+from neol.jobs import Job, jobs
 from neol.model import Model
 from neol.record import Record
 from neol.records import MAX_BYTES as MAX_RECORD_BYTES
 from neol.records import parse_record
+from neol.spec import budgets, load_configuration
 
 NAME = "manifest.json"
 MAX_BYTES = 2**26
@@ -73,26 +76,44 @@ def records_below(folder: Path) -> Iterator[Path]:
             yield path
 
 
+def records_of(budget: str | None) -> dict[str, Job]:
+    """The records of a budget, by path below its folder; none for one that is not known."""
+    if budget is None or budget not in budgets():
+        return {}
+    home = RESULTS / budget
+    every = jobs(load_configuration(budget))
+    return {job.record.relative_to(home).as_posix(): job for job in every}
+
+
 def write_manifest(folder: Path) -> Manifest:
     """Write the manifest of the records below a folder, atomically; same records, same bytes.
 
-    Raises UserError for a record that is not whole or of another budget than the first.
+    Raises UserError for a record that is not whole, of another budget than the first, or none
+    that its budget has there.
     """
     entries: list[Entry] = []
-    budgets: dict[str | None, Path] = {}
+    firsts: dict[str | None, Path] = {}
     for path in records_below(folder):
         content = read_bounded(path, MAX_RECORD_BYTES)
         record = parse_record(path, content)
         entries.append(Entry.of(path.relative_to(folder).as_posix(), content, record))
-        budgets.setdefault(record.budget, path)
+        firsts.setdefault(record.budget, path)
     if not entries:
         raise UserError(f"{folder}: holds no records")
-    if len(budgets) > 1:
-        (one, first), (other, second) = list(budgets.items())[:2]
+    if len(firsts) > 1:
+        (one, first), (other, second) = list(firsts.items())[:2]
         raise UserError(
             f"{second}: is of budget {other}, {first} of {one}; give each budget its own folder"
         )
-    manifest = Manifest(budget=next(iter(budgets)), records=tuple(entries))
+    (budget,) = firsts
+    of_budget = records_of(budget)
+    strangers = [entry.path for entry in entries if entry.path not in of_budget]
+    if of_budget and strangers:
+        raise UserError(
+            f"{folder / strangers[0]}: budget {budget} has no record of this name; "
+            f"a manifest is for a budget's own folder, like {RESULTS}/{budget}"
+        )
+    manifest = Manifest(budget=budget, records=tuple(entries))
     write_atomically(folder / NAME, _text(manifest).encode())
     return manifest
 

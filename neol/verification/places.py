@@ -5,15 +5,13 @@ from collections.abc import Iterable, Iterator
 from functools import cache, partial
 from pathlib import Path
 
-from neol.campaign import RESULTS
 from neol.errors import UserError
 from neol.files import files_below
-from neol.jobs import SENSITIVITY, Job, jobs
+from neol.jobs import SENSITIVITY, Job
 from neol.record import Record
 from neol.records import first_difference
-from neol.spec import budgets, load_configuration
 from neol.verification import manifest
-from neol.verification.manifest import Entry, read_manifest
+from neol.verification.manifest import Entry, read_manifest, records_of
 
 
 def absolute(path: Path) -> Path:
@@ -25,7 +23,7 @@ class Budgets:
     """What the budgets of `config/` have, each listed once."""
 
     def __init__(self) -> None:
-        self._jobs = cache(_jobs)
+        self._jobs = cache(records_of)
 
     def jobs(self, budget: str | None) -> dict[str, Job]:
         """The records of a budget, by path below its folder; none for one that is not known."""
@@ -34,14 +32,6 @@ class Budgets:
     def cells(self, budget: str | None) -> list[str]:
         """Those of its cells, its sensitivity study left out."""
         return [name for name, job in self.jobs(budget).items() if job.part != SENSITIVITY]
-
-
-def _jobs(budget: str | None) -> dict[str, Job]:
-    if budget is None or budget not in budgets():
-        return {}
-    home = RESULTS / budget
-    every = jobs(load_configuration(budget))
-    return {job.record.relative_to(home).as_posix(): job for job in every}
 
 
 class ManifestFolder:

@@ -52,7 +52,7 @@ def make_campaign(folder: Path) -> None:
 
 def patch_budget() -> Any:
     """Let the budget be these three records and a study of two trials; a context manager."""
-    return mock.patch("neol.verification.places.jobs", lambda asked: _few(asked.budget.name))
+    return mock.patch("neol.verification.manifest.jobs", lambda asked: _few(asked.budget.name))
 
 
 @cache
