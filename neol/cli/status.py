@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from neol.cli.application import app, complain, examples
+from neol.errors import UserError
 
 WATCH_SECONDS = 2.0
 PIPED_WIDTH = 200
@@ -45,7 +46,10 @@ def status(
     path = RESULTS / campaign if len(campaign.parts) == 1 else campaign
     folder = Folder(path, select(path.name, tasks))
     if not path.is_dir():
-        complain(f"{path} does not exist (from {Path.cwd()}), so all is missing")
+        nowhere = f"{path} does not exist (from {Path.cwd()})"
+        if watch:
+            raise UserError(f"{nowhere}; watch it once a workflow has begun there")
+        complain(f"{nowhere}, so all is missing")
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = PIPED_WIDTH

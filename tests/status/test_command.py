@@ -7,7 +7,7 @@ import pytest
 from neol import selection
 from neol.cli import status as command
 from neol.status import Folder
-from tests.command import neol
+from tests.command import neol, refused
 from tests.status.conftest import CONFIGURATION, finish, job, log
 
 
@@ -60,11 +60,11 @@ def test_watch_goes_on_until_the_grid_is_done(
     assert "results/smoke: 96 of 96 runs done, 32 of 32 cells" in outcome.stdout
 
 
-@pytest.mark.usefixtures("smoke")
-def test_ctrl_c_ends_a_watch(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_ends_a_watch(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(_seconds: float) -> None:
         raise KeyboardInterrupt
 
+    smoke.path.mkdir(parents=True)
     monkeypatch.setattr(command.time, "sleep", interrupt)
     outcome = neol("status smoke --watch")
     assert outcome.exit_code == 130
@@ -77,6 +77,11 @@ def test_a_folder_that_does_not_exist_is_said() -> None:
     outcome = neol("status smoke")
     assert outcome.exit_code == 0
     assert outcome.stderr.startswith("neol: results/smoke does not exist (from ")
+
+
+@pytest.mark.usefixtures("smoke")
+def test_a_folder_that_does_not_exist_is_not_watched() -> None:
+    assert "neol: results/smoke does not exist (from " in refused("status smoke --watch")
 
 
 def test_a_folder_of_no_budget_is_refused(tmp_path: Path) -> None:
