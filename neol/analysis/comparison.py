@@ -43,11 +43,11 @@ class Compared:
         return self.record.spec
 
     @property
-    def label(self) -> str:
-        """A: BCM, P = 50, η = 0.25."""
+    def name(self) -> str:
+        """BCM, P = 50, η = 0.25."""
         plasticity = self.spec.plasticity
         rate = f", η = {plasticity.learning_rate:g}" if plasticity.learns else ""
-        return f"{self.letter}: {method_label(self.spec.method)}, P = {self.spec.population}{rate}"
+        return f"{method_label(self.spec.method)}, P = {self.spec.population}{rate}"
 
     @cached_property
     def best_fitness(self) -> pd.DataFrame:
@@ -103,10 +103,10 @@ def learning_curves(compared: Sequence[Compared]) -> Figure:
         figure = Figure(figsize=(WIDTH, 3.2))
         for axes, task in zip(figure.subplots(1, len(tasks), squeeze=False)[0], tasks, strict=True):
             here = [each for each in compared if each.spec.task.name == task]
-            for each in here:
+            for each, label in zip(here, _labels(here), strict=True):
                 look = looks[each.spec.method if distinct else each.letter]
                 marked = (compared.index(each) + 0.5) / len(compared)
-                draw_curve(axes, each.label, look, each.best_fitness.dropna(), marked)
+                draw_curve(axes, label, look, each.best_fitness.dropna(), marked)
             values = [each.best_fitness.to_numpy().ravel() for each in here]
             clip_to_runs(axes, pd.Series(np.concatenate(values)))
             axes.set_title(task_label(task))
@@ -114,9 +114,21 @@ def learning_curves(compared: Sequence[Compared]) -> Figure:
             axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         figure.axes[0].set_ylabel("Best fitness (return)")
         figure.legend(loc="outside upper center", ncols=min(len(compared), 3))
+        several = any(len(each.record.seeds) > 1 for each in compared)
         footer(figure, "Lines: means over seeds; bands: their 95% intervals, cut at the range of "
-                       "the runs.")  # fmt: skip
+                       "the runs." if several else "Each line is one run.")  # fmt: skip
     return figure
+
+
+def _labels(compared: Sequence[Compared]) -> list[str]:
+    """A: BCM, P = 50, η = 0.25; where that says the same of several, with what differs in them."""
+    labels = []
+    for each in compared:
+        alike = [other for other in compared if other.name == each.name]
+        values = {key: of[alike.index(each)] for key, of in differences(alike).items()}
+        constants = [f"{key} = {value}" for key, value in values.items()]
+        labels.append("\n".join([f"{each.letter}: {each.name}", *constants]))
+    return labels
 
 
 def _read(path: Path) -> Record:

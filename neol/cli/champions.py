@@ -138,7 +138,7 @@ def compare(
     if not console.is_terminal:
         console.width = PIPED_WIDTH
     console.print(table)
-    print("Means over runs, with their 95% intervals.")
+    print("Means over runs; of several, with their 95% intervals.")
     if output:
         write_picture(learning_curves(compared), output)
         print(f"{output}: learning curves")

@@ -10,8 +10,9 @@ from neol.analysis.comparison import differences, learning_curves, outcomes, rea
 from neol.analysis.score import samples, score
 from neol.campaign import cells
 from neol.errors import UserError
+from neol.records import write_record
 from neol.spec import load_configuration
-from tests.analysis.made_up import configuration, write_campaign
+from tests.analysis.made_up import configuration, run, write_campaign
 
 FINAL = {"bcm": [10.0, 20.0, 60.0], "neat": [1.0, 2.0, 6.0]}
 
@@ -74,6 +75,31 @@ def test_curves_are_means_over_seeds(paths: list[Path]) -> None:
 def test_records_of_one_method_look_different(paths: list[Path]) -> None:
     lines = learning_curves(read_compared([paths[0]] * 8)).axes[0].lines
     assert len({(line.get_color(), line.get_marker()) for line in lines}) == 8
+
+
+def one_run(path: Path, like: Path, reward_scale: float) -> Path:
+    """A record of a single seed, else of the configuration of another one."""
+    spec = read_compared([like])[0].spec
+    plasticity = spec.plasticity.model_copy(update={"reward_scale": reward_scale})
+    write_record(path, run(spec.model_copy(update={"plasticity": plasticity}), "smoke", 7.0))
+    return path
+
+
+def test_labels_that_coincide_name_the_constants_that_differ(
+    paths: list[Path], tmp_path: Path
+) -> None:
+    louder = one_run(tmp_path / "louder.parquet", paths[0], reward_scale=0.5)
+    (axes,) = learning_curves(read_compared([*paths, louder])).axes
+    bcm, neat, bcm_louder = (str(line.get_label()).splitlines() for line in axes.lines)
+    assert bcm[1:] == ["plasticity.reward_scale = 0.01"]
+    assert neat[1:] == []
+    assert bcm_louder[1:] == ["plasticity.reward_scale = 0.5"]
+
+
+def test_bands_are_spoken_of_where_there_are_some(paths: list[Path], tmp_path: Path) -> None:
+    alone = one_run(tmp_path / "one.parquet", paths[0], reward_scale=0.01)
+    assert "bands" in learning_curves(read_compared([alone, paths[0]])).get_supxlabel()
+    assert "bands" not in learning_curves(read_compared([alone])).get_supxlabel()
 
 
 def test_a_folder_must_hold_one_configuration(paths: list[Path], tmp_path: Path) -> None:
