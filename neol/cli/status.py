@@ -48,7 +48,7 @@ def status(
     if not path.is_dir():
         nowhere = f"{path} does not exist (from {Path.cwd()})"
         if watch:
-            raise UserError(f"{nowhere}; watch it once a workflow has begun there")
+            raise UserError(f"{nowhere}; start its workflow, or go where that runs")
         complain(f"{nowhere}, so all is missing")
     console = Console(highlight=False)
     if not console.is_terminal:
