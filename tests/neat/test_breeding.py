@@ -1,16 +1,14 @@
-"""Breeding: many children at once are each a child, and WM_MODE is kept to."""
+"""Breeding: copies, siblings, and WM_MODE is kept to."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 
-from neol.neat.breeding import PARENTS, Rates, breed, breed_all
+from neol.neat.breeding import PARENTS, Rates, breed_all
 from neol.neat.genome import Genome, Pool
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
-from neol.neat.reproduction import Reproduction
 from neol.neat.values import mutate_values
-from tests.neat.genomes import INPUTS, OUTPUTS, genome_of, neat_constants, populations, stream
+from tests.neat.genomes import INPUTS, OUTPUTS, genome_of, neat_constants, stream
 
 RATES = Rates.of(neat_constants())
 
@@ -25,39 +23,6 @@ def children_of(
     rows = np.array(parents, dtype=PARENTS)
     pool = breed_all(Pool.of(genomes), rows, INPUTS, OUTPUTS, rates, innovations, stream())
     return Population(0, pool, np.full(len(parents), np.nan))
-
-
-@given(populations)
-@settings(max_examples=30, deadline=None)
-def test_breeding_all_is_breeding_one_after_the_other(
-    grown: tuple[list[Genome], Reproduction],
-) -> None:
-    population, reproduction = grown
-    parents = [(3, 3, True), (0, 3, False), (2, 2, False), (1, 5, False), (4, 5, False)]
-    mark = (reproduction.innovations.next_innovation, reproduction.innovations.next_node)
-    together, alone = Innovations.begin(*mark, 4), Innovations.begin(*mark, 4)
-    elite, *children = children_of(population, parents, reproduction.rates, together)
-    assert elite.nodes.tolist() == population[3].nodes.tolist()
-    assert elite.connections.tolist() == population[3].connections.tolist()
-    state = stream()
-    for (one, other, _), child in zip(parents[1:], children, strict=True):
-        fitter, weaker = population[one], population[other]
-        expected = breed(
-            fitter.nodes,
-            fitter.connections,
-            weaker.nodes,
-            weaker.connections,
-            one != other,
-            INPUTS,
-            OUTPUTS,
-            reproduction.rates,
-            alone,
-            state,
-        )
-        assert child.nodes.tolist() == expected[0].tolist()
-        assert child.connections.tolist() == expected[1].tolist()
-    assert together.next_innovation == alone.next_innovation
-    assert together.next_node == alone.next_node
 
 
 def test_a_genome_bred_with_itself_and_unmutated_is_copied() -> None:

@@ -1,13 +1,17 @@
-"""Offspring counts, elites and parents."""
+"""Offspring counts, elites and parents; whole populations against a plain twin."""
+
+from dataclasses import astuple
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction, spawn_counts
-from neol.neat.species import SpeciesSet, speciate
+from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant, speciate
 from tests.neat.genomes import INPUTS, OUTPUTS, assert_sound, neat_constants
+from tests.neat.plain_reproduction import PlainGenome, PlainReproduction
 
 
 @given(
@@ -109,3 +113,65 @@ def test_numbers_only_grow() -> None:
     _, reproduction = evolve(5)
     assert reproduction.next_genome == 30 * 6
     assert reproduction.innovations.next_innovation >= INPUTS * OUTPUTS
+
+
+BUSY = {
+    "weight_limit": 2.0,
+    "bias_limit": 1.5,
+    "bias_replace_rate": 0.1,
+    "enabled_mutate_rate": 0.1,
+    "add_connection_rate": 0.8,
+    "add_node_rate": 0.6,
+    "remove_connection_rate": 0.2,
+    "remove_node_rate": 0.15,
+    "crossover_rate": 0.8,
+    "survival_threshold": 0.6,
+    "compatibility_threshold": 3.0,
+    "max_stagnation": 3,
+}
+"""All kinds of mutation and parents, often; several species."""
+
+
+@pytest.mark.parametrize("size", [9, 40])
+@pytest.mark.parametrize("weight_mutation", ["off", "config", 0.3])
+def test_populations_are_those_of_a_plain_twin(weight_mutation: str | float, size: int) -> None:
+    """Every bit of every gene, and how many random and innovation numbers were drawn."""
+    neat = neat_constants(weight_mutation=weight_mutation, **BUSY)
+    reproduction = Reproduction(INPUTS, OUTPUTS, neat)
+    twin = PlainReproduction(INPUTS, OUTPUTS, neat)
+    random, twin_random, chance = (np.random.default_rng(seed) for seed in (0, 0, 1))
+    species_set = SpeciesSet()
+    population = reproduction.initial_population(size, random)
+    expected = twin.initial_population(size, twin_random)
+    assert genes(population) == plain_genes(expected)
+    for _ in range(15):
+        population.fitness = chance.integers(8, size=size).astype(float)
+        for genome, fitness in zip(expected, population.fitness.tolist(), strict=True):
+            genome.fitness = fitness
+        speciate(population, species_set, neat)
+        remove_stagnant(species_set, population.fitness, neat)
+        members = [species.members.tolist() for species in species_set.species]
+        adjusted = adjusted_fitness(species_set, population.fitness, neat).tolist()
+        population = reproduction.reproduce(population, species_set, random)
+        expected = twin.reproduce(expected, members, adjusted, twin_random)
+        assert genes(population) == plain_genes(expected)
+        assert reproduction.innovations.next_innovation == twin.next_innovation
+        assert reproduction.innovations.next_node == twin.next_node
+        assert random.bit_generator.state == twin_random.bit_generator.state
+    assert twin.next_node > INPUTS + OUTPUTS + 40
+    assert max(len(genome.biases) for genome in expected) > OUTPUTS + 3
+
+
+def genes(population: Population) -> list[object]:
+    return [(genome.nodes.tolist(), genome.connections.tolist()) for genome in population]
+
+
+def plain_genes(population: list[PlainGenome]) -> list[object]:
+    """As arrays would list them."""
+    return [
+        (
+            sorted(genome.biases.items()),
+            [(number, *astuple(gene)) for number, gene in sorted(genome.connections.items())],
+        )
+        for genome in population
+    ]
