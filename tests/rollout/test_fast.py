@@ -10,6 +10,8 @@ import numpy.typing as npt
 import pytest
 
 from neol.constants import Plasticity, Task
+from neol.evolution import Evolution
+from neol.neat.genome import decode
 from neol.network import ACTIVATIONS, Networks
 from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.box2d import library as box2d
@@ -52,8 +54,8 @@ def plasticity_of(rule: str, **changes: object) -> Plasticity:
     return Plasticity(**(constants | changes))
 
 
-def seeds_of(population: int, episodes: int) -> npt.NDArray[np.uint64]:
-    random = np.random.default_rng(0)
+def seeds_of(population: int, episodes: int, seed: int = 0) -> npt.NDArray[np.uint64]:
+    random = np.random.default_rng(seed)
     return random.integers(2**64, size=(population, episodes), dtype=np.uint64)
 
 
@@ -62,35 +64,55 @@ def assert_same(actual: Rollouts, expected: Rollouts) -> None:
         assert np.array_equal(getattr(actual, part), getattr(expected, part), equal_nan=True), part
 
 
-def cases() -> Iterator[tuple[int, Plasticity, dict[str, object]]]:
+def evolved_networks(name: str, population: int) -> Networks:
+    """Of genomes that ten generations have grown and BCM has taught; many genes are disabled."""
+    changes = {
+        f"tasks.{name}.max_steps": MAX_STEPS[name],
+        "neat.add_node_rate": 0.6,
+        "neat.enabled_mutate_rate": 0.1,
+    }
+    configuration = load_configuration("paper", [f"{key}={to}" for key, to in changes.items()])
+    spec = configuration.run_spec(
+        task=name, method="bcm", population=population, learning_rate=0.25, generations=10
+    )
+    evolution = Evolution.begin(spec, *network_size(spec.task))
+    list(evolution.run(fast(spec.task)))
+    pool = evolution.population.pool
+    networks, _ = decode(pool, *network_size(spec.task), spec.network)
+    assert np.mean(np.diff(networks.node_offset) > networks.outputs) > 0.9, "hidden nodes"
+    assert np.mean(pool.connections["enabled"]) < 0.9
+    return networks
+
+
+def cases() -> Iterator[tuple[Plasticity, dict[str, object]]]:
     """Every rule with write-back on and off, among them weights that run to their limits."""
     for number, rule in enumerate(WITH_NONE):
         for write_back in (True, False):
-            yield number, plasticity_of(rule, write_back=write_back), {}
-    for number, rule in enumerate(WITH_NONE, start=4):
-        activation = list(ACTIVATIONS)[number % 4]
+            yield plasticity_of(rule, write_back=write_back), {}
+        activation = list(ACTIVATIONS)[number % len(ACTIVATIONS)]
         saturating = plasticity_of(rule, learning_rate=500.0)
-        yield number, saturating, {"activation": activation, "weight_sd": 4.0}
-        yield number, plasticity_of(rule), {"hidden": 0}
-        yield number, plasticity_of(rule), {"hidden": 30, "activation": activation}
+        yield saturating, {"activation": activation, "weight_sd": 4.0}
+        yield plasticity_of(rule), {"hidden": 0}
+        yield plasticity_of(rule), {"hidden": 30, "activation": activation}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MAX_STEPS)
 def test_equal_to_the_reference_engine(name: str) -> None:
-    """320 episodes: 20 kinds of networks and plasticity, 8 networks each, 2 episodes in turn."""
+    """320 episodes: 20 kinds of plasticity, 4 random and 4 evolved networks, 2 episodes in turn."""
     engine = fast(task_of(name))
     reference = ReferenceEngine(task_of(name))
     inputs, outputs = network_size(task_of(name))
+    evolved = evolved_networks(name, 20)
     at_limit, saturated = 0, 0
-    for number, plasticity, kind in cases():
-        random = np.random.default_rng(number)
-        networks = random_networks(random, 8, inputs, outputs, **kind)  # type: ignore[arg-type]
-        seeds = seeds_of(8, 2)
-        rollouts = engine.evaluate(networks, seeds, plasticity)
-        assert_same(rollouts, reference.evaluate(networks, seeds, plasticity))
-        at_limit += (rollouts.steps == MAX_STEPS[name]).sum()
-        saturated += (abs(rollouts.weight) == plasticity.weight_limit).sum()
+    for case, (plasticity, kind) in enumerate(cases()):
+        random, first, seeds = np.random.default_rng(case), 4 * case % 20, seeds_of(4, 2, case)
+        made_up = random_networks(random, 4, inputs, outputs, **kind)  # type: ignore[arg-type]
+        for networks in (made_up, evolved.slice(first, first + 4)):
+            rollouts = engine.evaluate(networks, seeds, plasticity)
+            assert_same(rollouts, reference.evaluate(networks, seeds, plasticity))
+            at_limit += (rollouts.steps == MAX_STEPS[name]).sum()
+            saturated += (abs(rollouts.weight) == plasticity.weight_limit).sum()
     assert at_limit > 0
     assert saturated > 100
 
