@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -17,6 +18,8 @@ from neol.spec import RunSpec, load_configuration
 
 PICTURE_SECONDS = 0.3
 """Pictures come no oftener."""
+LONGEST_SECONDS = 60.0
+"""A generation that ends later is the last one."""
 HELD_OUT_EPISODES = 20
 
 
@@ -62,55 +65,56 @@ class Evolutions:
     def __call__(self, **settings: Any) -> Iterator[Figure]:
         """Yield a picture now and then, the last one with the champion's fresh episodes.
 
-        The settings are those of `specification`, and errors too.
+        The settings are those of `specification`, and errors too. A run that takes too long is
+        stopped, and the picture says so.
         """
         spec = specification(**settings)
         label = f"{method_label(spec.method)} P={spec.population} seed {spec.seed}"
         if spec.plasticity.learns:
             label += f" η={spec.plasticity.learning_rate:g} β={spec.plasticity.reward_scale:g}"
-        engine, latest = make_engine(spec.task), -float("inf")
+        engine, begun, latest = make_engine(spec.task), time.monotonic(), -float("inf")
         evolution = Evolution.begin(spec, *network_size(spec.task))
         for _ in evolution.run(engine):
-            if time.monotonic() - latest >= PICTURE_SECONDS:
+            now = time.monotonic()
+            if now - begun >= LONGEST_SECONDS:
+                break
+            if now - latest >= PICTURE_SECONDS:
                 yield self._draw(spec, label, evolution.history)
                 latest = time.monotonic()
         returns = evolution.held_out_returns(engine)
         engine.close()
-        fresh = f"champion in {len(returns)} fresh episodes: {drawn(f'{returns.mean():.1f}')}"
-        yield self._draw(spec, label, evolution.history, fresh)
+        remark = f", champion in {len(returns)} fresh episodes: {drawn(f'{returns.mean():.1f}')}"
+        if len(evolution.history) < spec.generations:
+            remark += f"\nstopped after {LONGEST_SECONDS:g} s"
+        yield self._draw(spec, label, evolution.history, remark)
         self.earlier.append((spec.task.name, label, evolution.history))
 
     def _draw(
         self, spec: RunSpec, label: str, history: list[Generation], remark: str = ""
     ) -> Figure:
-        look = styles([spec.method])[spec.method]
         with drawing():
             figure = Figure(figsize=(WIDTH, 2.8))
             axis = figure.subplots()
-            for task, name, past in self.earlier:
-                if task != spec.task.name:
-                    continue
-                axis.plot(
-                    [row.generation for row in past],
-                    [row.best_fitness for row in past],
-                    color=GREY,
-                    alpha=0.5,
-                    linewidth=0.8,
-                    label=name,
-                )
-            x = [row.generation for row in history]
-            axis.plot(x, [row.best_fitness for row in history], color=look.colour, label=label)
-            axis.plot(
-                x,
-                [row.mean_fitness for row in history],
-                color=look.colour,
-                linestyle=":",
-                label="its population's mean",
-            )
+            self._draw_earlier(axis, spec.task.name)
+            _draw_run(axis, label, history, styles([spec.method])[spec.method].colour)
             axis.set_xlim(1, spec.generations)
             axis.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-            axis.set_title(f"{task_label(spec.task.name)}{remark and f', {remark}'}")
-            axis.set_xlabel("generation")
-            axis.set_ylabel("best fitness (return)")
+            axis.set_title(f"{task_label(spec.task.name)}{remark}")
+            axis.set_xlabel("Generation")
+            axis.set_ylabel("Best fitness (return)")
             figure.legend(loc="outside right upper")
         return figure
+
+    def _draw_earlier(self, axis: Axes, task: str) -> None:
+        for name, label, history in self.earlier:
+            if name == task:
+                best = [row.best_fitness for row in history]
+                x = [row.generation for row in history]
+                axis.plot(x, best, color=GREY, alpha=0.5, linewidth=0.8, label=label)
+
+
+def _draw_run(axis: Axes, label: str, history: list[Generation], colour: str) -> None:
+    x = [row.generation for row in history]
+    axis.plot(x, [row.best_fitness for row in history], color=colour, label=label)
+    mean = [row.mean_fitness for row in history]
+    axis.plot(x, mean, color=colour, linestyle=":", label="its population's mean")

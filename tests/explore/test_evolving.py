@@ -11,6 +11,12 @@ from tests.runs import evolve
 SMALL = {"task": "cartpole", "population": 4, "generations": 3, "seed": 1, "eta": 0.25, "beta": 0.5}
 
 
+@pytest.fixture(autouse=True)
+def _unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compiling takes long on some machines."""
+    monkeypatch.setattr(evolving, "LONGEST_SECONDS", float("inf"))
+
+
 def labels(figure: Figure) -> list[str]:
     return [str(line.get_label()) for line in figure.axes[0].get_lines()]
 
@@ -22,7 +28,9 @@ def test_each_generation_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     lengths = [len(picture.axes[0].get_lines()[0].get_xdata()) for picture in pictures]  # type: ignore[arg-type]
     assert lengths == [1, 2, 3, 3]
     assert labels(pictures[-1]) == ["Oja P=4 seed 1 η=0.25 β=0.5", "its population's mean"]
-    assert "champion in 20 fresh episodes: " in pictures[-1].axes[0].get_title()
+    title = pictures[-1].axes[0].get_title()
+    assert title.startswith("CartPole, champion in 20 fresh episodes: ")
+    assert "stopped" not in title
 
 
 def test_what_is_drawn_is_the_run_of_that_specification() -> None:
@@ -39,6 +47,15 @@ def test_earlier_runs_of_the_task_stay() -> None:
     *_, last = evolutions(method="bcm", **SMALL)  # type: ignore[arg-type]
     assert labels(last)[0] == "NEAT P=4 seed 1"
     assert labels(last)[1].startswith("BCM ")
+
+
+def test_a_run_that_takes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(evolving, "LONGEST_SECONDS", 0.0)
+    (only,) = Evolutions()(method="oja", **SMALL)  # type: ignore[arg-type]
+    (axis,) = only.axes
+    assert list(axis.get_lines()[0].get_xdata()) == [1]
+    assert axis.get_title().endswith("\nstopped after 0 s")
+    assert axis.get_xlim() == (1, 3)
 
 
 def test_what_no_run_can_be_is_refused() -> None:
