@@ -31,11 +31,11 @@ assert not (before.trace.weights == before.trace.weights[0]).all()
 
 episodes.value = 5
 step.value = 10
-assert stopped.picture.axes[2].get_ylabel() == "return, plastic to step 10"
+assert stopped.picture.axes[2].get_ylabel() == "Return, plastic to step 10"
 
 task.value = "cartpole"
 curves.controls["column"].value = "species"
-assert curves.picture.axes[0].get_ylabel() == "species"
+assert curves.picture.axes[0].get_ylabel() == "Species"
 assert answer.picture.axes[0].get_title() == "CartPole, budget demo"
 
 changed = {"task": "cartpole", "method": "bcm", "population": 10, "generations": 5}

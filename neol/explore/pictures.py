@@ -22,20 +22,20 @@ PLASTIC, FROZEN = "#0072B2", "#D55E00"
 """An episode that learns to its end, and one that stops learning."""
 
 OUTCOMES = {
-    "held_out": "held-out return",
-    "best_fitness": "best fitness (return)",
-    "connections": "connections of the best genome",
-    "env_steps": "environment steps",
+    "held_out": "Held-out return",
+    "best_fitness": "Best fitness (return)",
+    "connections": "Connections of the best genome",
+    "env_steps": "Environment steps",
     "cpu_seconds": "CPU time (s)",
 }
 """What runs can be compared by: a column of `table_of_runs`, and how an axis calls it."""
 
 
 def axis_label(column: str) -> str:
-    """A record's column with its unit: "best fitness (return)"."""
+    """A record's column with its unit: "Best fitness (return)"."""
     unit = DOCUMENTATION[column][0]
-    name = column.replace("_", " ")
-    return f"{name} ({unit})" if unit and unit != name else name
+    name = column.replace("_", " ").capitalize()
+    return f"{name} ({unit})" if unit and unit != column else name
 
 
 def settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
@@ -108,10 +108,10 @@ def switched_off(player: Player, *, step: int, episodes: int) -> Figure:
             weight.plot(_moved(traces[0]), line, color=colour)
         for axis in (reward, weight):
             axis.axvline(step, color=GREY, linewidth=0.7, linestyle=":")
-            axis.set_xlabel("step of one episode")
+            axis.set_xlabel("Step of one episode")
             axis.xaxis.set_major_locator(MaxNLocator(4, integer=True))
-        reward.set_ylabel("reward so far")
-        weight.set_ylabel("mean |weight - first weight|")
+        reward.set_ylabel("Reward so far")
+        weight.set_ylabel("Mean |weight − first weight|")
         _pairs(returns, plastic, frozen, step)
         figure.legend(loc="outside upper center", ncols=2)
     return figure
@@ -144,7 +144,7 @@ def outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, by: st
             range(len(groups)), [f"{name}\n{n} runs" for name, n in zip(names, counts, strict=True)]
         )
         axis.set_title(f"{task_label(task)}, budget {budget}")
-        axis.set_xlabel(by.replace("_", " "))
+        axis.set_xlabel(by.replace("_", " ").capitalize())
         axis.set_ylabel(OUTCOMES[outcome])
     return figure
 
@@ -161,8 +161,8 @@ def _pairs(axis: Axes, plastic: Sequence[Trace], frozen: Sequence[Trace], step: 
     y = np.array([trace.episode_return for trace in frozen])
     axis.axline((0, 0), slope=1, color=GREY, linewidth=0.7, linestyle=":")
     axis.plot(x, y, "o", color=FROZEN, alpha=0.7)
-    axis.set_xlabel("return, plastic to the end")
-    axis.set_ylabel(f"return, plastic to step {step}")
+    axis.set_xlabel("Return, plastic to the end")
+    axis.set_ylabel(f"Return, plastic to step {step}")
     low, high = mean_interval(y - x)
     gain = f"Stopping gains {np.mean(y - x):+.1f}\n(95%: {low:+.1f} to {high:+.1f})"
     axis.set_title(drawn(gain))

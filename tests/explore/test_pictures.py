@@ -47,7 +47,7 @@ def test_curves_are_means_over_seeds(results: Path, runs: pd.DataFrame) -> None:
     assert drawn["Hebb, 3 seeds"] == ([1, 2], [3.0, 2.0])  # made-up runs fall by 1 to their end
     assert drawn["NEAT, 2 seeds"] == ([1, 2], [5.5, 4.5])
     assert len(drawn) == 5
-    assert figure.axes[0].get_ylabel() == "best fitness (return)"
+    assert figure.axes[0].get_ylabel() == "Best fitness (return)"
 
 
 def test_curves_against_cost(results: Path, runs: pd.DataFrame) -> None:
@@ -55,8 +55,8 @@ def test_curves_against_cost(results: Path, runs: pd.DataFrame) -> None:
         results, runs, task="cartpole", setting=SETTING, column="species", against="evaluations"
     )
     assert lines(figure.axes[0])["Oja, 3 seeds"][0] == [6, 12]
-    assert figure.axes[0].get_ylabel() == "species"
-    assert figure.axes[0].get_xlabel() == "evaluations (genomes)"
+    assert figure.axes[0].get_ylabel() == "Species"
+    assert figure.axes[0].get_xlabel() == "Evaluations (genomes)"
 
 
 def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFrame) -> None:
