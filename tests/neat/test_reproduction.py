@@ -116,6 +116,8 @@ def test_numbers_only_grow() -> None:
 
 
 BUSY = {
+    "weight_init_sd": 1.3,
+    "bias_init_sd": 0.7,
     "weight_limit": 2.0,
     "bias_limit": 1.5,
     "bias_replace_rate": 0.1,
@@ -126,17 +128,22 @@ BUSY = {
     "remove_node_rate": 0.15,
     "crossover_rate": 0.8,
     "survival_threshold": 0.6,
-    "compatibility_threshold": 3.0,
     "max_stagnation": 3,
 }
-"""All kinds of mutation and parents, often; several species."""
+"""All kinds of mutation and parents, often."""
 
 
-@pytest.mark.parametrize("size", [9, 40])
+@pytest.mark.parametrize(("size", "threshold"), [(7, 1.0), (40, 3.0)])
 @pytest.mark.parametrize("weight_mutation", ["off", "config", 0.3])
-def test_populations_are_those_of_a_plain_twin(weight_mutation: str | float, size: int) -> None:
-    """Every bit of every gene, and how many random and innovation numbers were drawn."""
-    neat = neat_constants(weight_mutation=weight_mutation, **BUSY)
+def test_populations_are_those_of_a_plain_twin(
+    weight_mutation: str | float, size: int, threshold: float
+) -> None:
+    """Every bit of every gene, and how many random and innovation numbers were drawn.
+
+    Of few genomes in many species, and of many in few.
+    """
+    constants = BUSY | {"weight_mutation": weight_mutation, "compatibility_threshold": threshold}
+    neat = neat_constants(**constants)
     reproduction = Reproduction(INPUTS, OUTPUTS, neat)
     twin = PlainReproduction(INPUTS, OUTPUTS, neat)
     random, twin_random, chance = (np.random.default_rng(seed) for seed in (0, 0, 1))
@@ -158,8 +165,7 @@ def test_populations_are_those_of_a_plain_twin(weight_mutation: str | float, siz
         assert reproduction.innovations.next_innovation == twin.next_innovation
         assert reproduction.innovations.next_node == twin.next_node
         assert random.bit_generator.state == twin_random.bit_generator.state
-    assert twin.next_node > INPUTS + OUTPUTS + 40
-    assert max(len(genome.biases) for genome in expected) > OUTPUTS + 3
+    assert max(len(genome.biases) for genome in expected) > OUTPUTS, "hidden nodes"
 
 
 def genes(population: Population) -> list[object]:

@@ -17,7 +17,6 @@ from neol.neat.variation import (
     remove_connection,
     remove_node,
 )
-from neol.pcg64 import next_double, standard_normals
 from tests.neat.genomes import (
     INPUTS,
     OUTPUTS,
@@ -201,24 +200,6 @@ def test_reaches() -> None:
     assert reaches(chain.connections, 5, 3)
     assert reaches(chain.connections, 5, 5)
     assert not reaches(chain.connections, 6, 5)
-
-
-@pytest.mark.parametrize("mode", ["off", "config", 0.3])
-def test_mutated_values_are_those_of_a_plain_twin(mode: str | float) -> None:
-    rates = Rates.of(neat_constants(weight_mutation=mode, weight_limit=2.5)).weight
-    values, state, twin_state = np.linspace(-3.0, 3.0, 101), stream(), stream()
-    expected = values.tolist()
-    if mode != "off":
-        noise = standard_normals(len(values), twin_state).tolist()
-        for i, chance in enumerate(next_double(twin_state) for _ in noise):
-            if chance < rates.mutate_rate + rates.replace_rate:
-                new = expected[i] + rates.mutate_power * noise[i]
-                if chance >= rates.mutate_rate:
-                    new = rates.init_sd * noise[i]
-                expected[i] = min(max(new, -2.5), 2.5)
-    mutate_values(values, rates, state)
-    assert values.tolist() == expected
-    assert state.tolist() == twin_state.tolist()
 
 
 def test_a_perturbation_has_the_power_of_the_configuration() -> None:
