@@ -60,10 +60,11 @@ def test_watch_goes_on_until_the_grid_is_done(
     assert "results/smoke: 96 of 96 runs done, 32 of 32 cells" in outcome.stdout
 
 
-def test_ctrl_c_ends_a_watch(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(_seconds: float) -> None:
-        raise KeyboardInterrupt
+def interrupt(_seconds: float) -> None:
+    raise KeyboardInterrupt
 
+
+def test_ctrl_c_ends_a_watch(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     smoke.path.mkdir(parents=True)
     monkeypatch.setattr(command.time, "sleep", interrupt)
     outcome = neol("status smoke --watch")
@@ -80,7 +81,8 @@ def test_a_folder_that_does_not_exist_is_said() -> None:
 
 
 @pytest.mark.usefixtures("smoke")
-def test_a_folder_that_does_not_exist_is_not_watched() -> None:
+def test_a_folder_that_does_not_exist_is_not_watched(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command.time, "sleep", interrupt)
     assert "neol: results/smoke does not exist (from " in refused("status smoke --watch")
 
 
