@@ -118,7 +118,7 @@ def _arguments(command_line: Sequence[str] | None) -> argparse.Namespace:
     parser = _Parser(
         prog="neol bench",
         description=__doc__,
-        epilog="Examples:\n  neol bench\n  neol bench --quick --tasks cartpole --output /tmp",
+        epilog="Examples:\n  neol bench\n  neol bench --quick --tasks cartpole --output quick",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(

@@ -7,7 +7,11 @@ repository has that of the largest budget whose runs are there.
 REPORT = f"{FIGURES}/report.html"
 PAPER = f"{'paper' if FIGURES == 'figures' else FIGURES}/reproduction.pdf"
 CHAMPIONS = f"build/{LABEL}/champions/champions.json"
-PICTURES = [path for path in made_by("convergence", "heatmaps", "beyond") if path.endswith(".pdf")]
+PICTURES = [
+    path
+    for path in made_by("convergence", "heatmaps", "beyond")
+    if path.endswith(".pdf")
+]
 NUMBERS = [path for path in made_by(*NOTEBOOKS) if path.endswith((".tex", ".csv"))]
 
 # What words and predictions of cost stand on.
