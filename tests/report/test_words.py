@@ -119,4 +119,5 @@ def test_core_hours_grow_with_seeds_and_generations() -> None:
     hours = words.core_hours(demo, seeds=10)
     assert hours
     assert words.core_hours(demo, seeds=30) == pytest.approx(3 * hours)
-    assert words.core_hours(demo, seeds=10, generations=600) == pytest.approx(10 * hours)
+    long = words.core_hours(demo, seeds=10, generations=600)
+    assert long == pytest.approx(10 * hours, rel=0.05)  # later episodes are a little longer
