@@ -188,7 +188,7 @@ def test_the_paper_is_about_eight_pages_and_refers_to_what_is_there(whole: Path)
     log = (whole / "build/smoke/paper/reproduction.log").read_text(errors="replace")
     written = re.search(r"Output written on .*\((\d+)\s+pages", log.replace("\n", ""))
     assert written
-    assert 7 <= int(written[1]) <= 12
+    assert 7 <= int(written[1]) <= 10
     assert "undefined" not in log
 
 
