@@ -120,7 +120,7 @@ def _caption(name: str) -> str:
 def _judged(figures: Path) -> list[Judged]:
     claims = {claim.id: claim for claim in load_claims()}
     ledger = vouched_frame(figures / "claims.csv")
-    lacks = {name: words.lacks(parts) for name, parts in words.open_parts(ledger)}
+    lacks = words.lacks_of_open(ledger)
     return [
         Judged(
             claims[str(name)],

@@ -69,7 +69,7 @@ def page(campaign: Campaign, figures: Path, picture: str) -> str:
 def _judged(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
     """Each claim with the part that its verdict hangs on, and what an open one lacks."""
     quotes = {claim.id: claim.quote for claim in load_claims()}
-    lacks = {name: words.lacks(parts) for name, parts in words.open_parts(ledger)}
+    lacks = words.lacks_of_open(ledger)
     rows = ledger[ledger["decisive"]].to_dict("records")
     for row in rows:
         name = row["claim"]

@@ -171,6 +171,11 @@ def _seeds_needed(parts: pd.DataFrame) -> float:
     return float(parts["seeds_needed"].fillna(PAPER_SEEDS).max())
 
 
+def lacks_of_open(ledger: pd.DataFrame) -> dict[str, str]:
+    """What each undecided claim lacks, by its name."""
+    return {claim: lacks(parts) for claim, parts in open_parts(ledger)}
+
+
 def lacks(parts: pd.DataFrame) -> str:
     """What a claim's open parts need."""
     reasons = list(dict.fromkeys(parts["reason"].dropna()))

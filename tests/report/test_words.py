@@ -119,5 +119,9 @@ def test_core_hours_grow_with_seeds_and_generations() -> None:
     hours = words.core_hours(demo, seeds=10)
     assert hours
     assert words.core_hours(demo, seeds=30) == pytest.approx(3 * hours)
-    long = words.core_hours(demo, seeds=10, generations=600)
-    assert long == pytest.approx(10 * hours, rel=0.05)  # later episodes are a little longer
+    half = words.core_hours(demo, seeds=10, generations=demo.budget.generations // 2)
+    assert half == pytest.approx(hours / 2)
+    # Beyond the generations that were measured a generation costs what the last of those did.
+    later = [words.core_hours(demo, seeds=10, generations=each) for each in (600, 1200, 1800)]
+    assert later[0] > 10 * hours
+    assert later[2] - later[1] == pytest.approx(later[1] - later[0])
