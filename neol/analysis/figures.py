@@ -230,8 +230,9 @@ def _write_cells(axis: Axes, mean: Floats, count: Floats, seeds: int, scale: Nor
         text = drawn(three_figures(value)) if there else "no runs"
         if 0 < there < seeds:
             text += f"\n{there}/{seeds}"
+        size = min(7.0, 39.0 / len(text.splitlines()[0]))  # a cell is narrow where there are four
         label = axis.text(
-            column, row, text, ha="center", va="center", fontsize=7, color=ink, linespacing=1
+            column, row, text, ha="center", va="center", fontsize=size, color=ink, linespacing=1
         )
         if there < seeds:
             ground = COLOUR_MAP(scale(value)) if there else "white"
