@@ -33,10 +33,14 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("sent", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_signals_keep_a_checkpoint(sent: signal.Signals, status: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("sent", "status", "workers"), [(signal.SIGINT, 130, 2), (signal.SIGTERM, 143, 1)]
+)
+def test_signals_keep_a_checkpoint(
+    sent: signal.Signals, status: int, workers: int, tmp_path: Path
+) -> None:
     endless = f"run {TINY} --seed 0-1 --generations 100000 --checkpoint-every 1 --output a.parquet"
-    process = start(endless, tmp_path)
+    process = start(f"{endless} --workers {workers}", tmp_path)
     kept = tmp_path / "a.parquet.partial" / "seed_000000.npz"
     while not kept.exists() and process.poll() is None:
         time.sleep(0.02)

@@ -10,6 +10,8 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import Connection
+from queue import SimpleQueue
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +21,7 @@ from neol.errors import UserError
 from neol.network import Networks
 from neol.rollout.engine import Engine, Rollouts
 
-_LARGEST_PORTION = 8  # so that Python regains control, and hears Ctrl-C, within a second or two
+_LARGEST_PORTION = 8  # so that the fast engine returns to Python, and Ctrl-C, in a second or two
 
 
 def portions(networks: int, workers: int) -> list[tuple[int, int]]:
@@ -43,16 +45,19 @@ class ProcessEngine:
     def __init__(self, make_engine: Callable[[], Engine], name: str, workers: int) -> None:
         self.name = name
         self._workers = workers
+        spawn = multiprocessing.get_context("spawn")
+        closed, self._lifeline = spawn.Pipe(duplex=False)
         self._executor = ProcessPoolExecutor(
             workers,
-            mp_context=multiprocessing.get_context("spawn"),
+            mp_context=spawn,
             initializer=_begin_worker,
-            initargs=(make_engine,),
+            initargs=(make_engine, closed),
         )
 
     def evaluate(
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
     ) -> Rollouts:
+        done: SimpleQueue[object] = SimpleQueue()
         try:
             futures = [
                 self._executor.submit(
@@ -60,6 +65,10 @@ class ProcessEngine:
                 )
                 for begin, end in portions(len(networks), self._workers)
             ]
+            for future in futures:
+                future.add_done_callback(done.put)
+            for _ in futures:
+                done.get()  # waits within this frame of ours, where Ctrl-C is heard
             parts = [future.result() for future in futures]
         except BrokenProcessPool:
             raise UserError(
@@ -75,24 +84,23 @@ class ProcessEngine:
         )
 
     def close(self) -> None:
+        self._lifeline.close()
         self._executor.shutdown(cancel_futures=True)
 
 
 _worker_engine: Engine
 
 
-def _begin_worker(make_engine: Callable[[], Engine]) -> None:
+def _begin_worker(make_engine: Callable[[], Engine], closed: Connection) -> None:
     global _worker_engine
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with_engine, args=(closed,), daemon=True).start()
     _worker_engine = make_engine()
 
 
-def _end_with_parent() -> None:
-    """A parent that is killed cannot stop its workers, and they would wait for work for ever."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    parent.join()
+def _end_with_engine(closed: Connection) -> None:
+    """End in the midst of an episode when the engine is closed, or its process killed."""
+    closed.poll(None)  # until nobody holds the lifeline's other end
     os._exit(1)
 
 

@@ -1,11 +1,24 @@
-"""How a batch is cut into pieces for many workers."""
+"""How a batch is cut into pieces for many workers, and what becomes of them on a signal."""
 
+import multiprocessing
+import os
+import signal
+import time
+from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
+from pathlib import Path
+from typing import NoReturn
 
+import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neol.rollout.parallel import portions
+from neol.interruption import Terminated, interruptible
+from neol.rollout.parallel import ProcessEngine, portions
+from tests.networks import random_networks
+from tests.runs import SPEC
 
 
 @given(networks=st.integers(0, 400), workers=st.integers(1, 70))
@@ -18,3 +31,32 @@ def test_portions_cover_a_batch_in_order(networks: int, workers: int) -> None:
 def test_portions_shrink_towards_the_end() -> None:
     sizes = [end - begin for begin, end in portions(50, 2)]
     assert sizes == [8, 8, 8, 6, 5, 3, 3, 2, 1, 1, 1, 1, 1, 1, 1]
+
+
+@dataclass
+class Terminating:
+    """An engine of a worker that has its parent terminated, and is at work for long then."""
+
+    finished: Path
+    name = "terminating"
+
+    def evaluate(self, *_: object) -> NoReturn:
+        os.kill(os.getppid(), signal.SIGTERM)
+        time.sleep(30)
+        self.finished.touch()
+        raise AssertionError
+
+    def close(self) -> None: ...
+
+
+@pytest.mark.slow
+def test_a_signal_waits_for_no_worker(tmp_path: Path) -> None:
+    networks = random_networks(np.random.default_rng(0), 1, 4, 2)
+    finished = tmp_path / "finished"
+    engine = ProcessEngine(partial(Terminating, finished), "terminating", workers=2)
+    with interruptible():
+        with pytest.raises(Terminated):
+            engine.evaluate(networks, np.zeros((1, 1), dtype=np.uint64), SPEC.plasticity)
+        engine.close()
+    assert not finished.exists()
+    assert multiprocessing.active_children() == []
