@@ -19,7 +19,7 @@ from neol.columns import history_table
 from neol.errors import UserError
 from neol.evolution import Evolution, Generation
 from neol.neat.genome import Genome
-from neol.partial import checkpoint_path, claim, finished_path
+from neol.partial import checkpoint_path, claim, finished_path, partial_folder
 from neol.provenance import checkout, provenance
 from neol.record import Champion, HeldOut, Record, SeedInfo, join
 from neol.records import first_difference, read_record, read_spec, write_record
@@ -133,18 +133,16 @@ def run_block(
     seeds = _distinct(seeds)
     if output.is_dir():
         raise UserError(f"{output}: is a folder; name a file in it")
-    if output.exists():
-        if not resume:
-            raise UserError(f"{output}: exists already; remove it or choose another output")
-        _same_seeds(read_record(output, spec), seeds, output)
+    record = _complete(output, spec, seeds, resume)
+    if record is not None and not partial_folder(output).exists():
+        return record
     with claim(output, wait=resume, keep=keep_partial) as partial:
-        if any(partial.glob("seed_*")) and not resume:
-            raise UserError(
-                f"{partial}: holds an interrupted run; go on with --resume, or remove it"
-            )
-        if output.exists():
-            record = _same_seeds(read_record(output, spec), seeds, output)
-        else:
+        record = _complete(output, spec, seeds, resume)  # another process may have finished it
+        if record is None:
+            if any(partial.glob("seed_*")) and not resume:
+                raise UserError(
+                    f"{partial}: holds an interrupted run; go on with --resume, or remove it"
+                )
             _refuse_other_work(partial, spec, seeds)
             with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
                 records = [
@@ -182,6 +180,15 @@ def evolve(
         specs = [spec.model_copy(update={"seed": seed}) for seed in seeds]
         results = [run_seed(each, player, on_generation=on_generation) for each in specs]
     return join([_record_of(result, budget=None) for result in results])
+
+
+def _complete(output: Path, spec: RunSpec, seeds: Sequence[int], resume: bool) -> Record | None:
+    """The record that is there, which only `resume` allows, or None."""
+    if not output.exists():
+        return None
+    if not resume:
+        raise UserError(f"{output}: exists already; remove it or choose another output")
+    return _same_seeds(read_record(output, spec), seeds, output)
 
 
 def _seed_record(

@@ -1,13 +1,17 @@
 """Runs and blocks: whatever interrupts them, the record is that of an undisturbed run."""
 
+import contextlib
 import dataclasses
+import shutil
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
 
-from neol import checkpoint, provenance
+from neol import checkpoint, partial, provenance
 from neol import run as runs
 from neol.errors import UserError
 from neol.evolution import Generation
@@ -124,6 +128,38 @@ def test_a_finished_block_is_left_as_it_is(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="population is 8 there and 9 here"):
         block(output, run_spec(generations=4, population=9), resume=True)
     assert names(tmp_path) == ["run.parquet"]
+
+
+def test_a_finished_block_needs_no_place_to_write(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a read-only folder, which root may write in."""
+    output = tmp_path / "run.parquet"
+    made = block(output)
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    assert result(block(output, resume=True)) == result(made)
+
+
+def refuse(path: Path, *_: object, **__: object) -> NoReturn:
+    raise PermissionError(13, "Permission denied", str(path))
+
+
+def test_a_block_that_another_process_finishes_first_is_not_ours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    output = tmp_path / "run.parquet"
+    block(tmp_path / "other.parquet")
+
+    @contextlib.contextmanager
+    def claim_later(output: Path, **how: Any) -> Iterator[Path]:
+        shutil.copy(tmp_path / "other.parquet", output)
+        with partial.claim(output, **how) as folder:
+            yield folder
+
+    monkeypatch.setattr(runs, "claim", claim_later)
+    with pytest.raises(UserError, match=r"run\.parquet: exists already"):
+        block(output)
+    assert names(tmp_path) == ["other.parquet", "run.parquet"]
 
 
 def test_interrupted_work_is_neither_lost_nor_mixed(tmp_path: Path) -> None:
