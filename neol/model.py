@@ -35,6 +35,8 @@ class Model(BaseModel):
 Probability = Annotated[float, Field(ge=0, le=1)]
 PositiveInt = Annotated[int, Field(ge=1)]
 NonNegativeInt = Annotated[int, Field(ge=0)]
+LARGEST_SEED = 2**63 - 1  # what a record's column holds
+Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 PositiveFloat = Annotated[float, Field(gt=0)]
 NonNegativeFloat = Annotated[float, Field(ge=0)]
 Population = Annotated[int, Field(ge=2, le=100_000)]  # a slip of the hand would fill the memory

@@ -18,6 +18,7 @@ from neol.checkpoint import Cost
 from neol.columns import history_table
 from neol.errors import UserError
 from neol.evolution import Evolution, Generation
+from neol.model import LARGEST_SEED
 from neol.neat.genome import Genome
 from neol.partial import checkpoint_path, claim, finished_path, partial_folder
 from neol.provenance import checkout, provenance
@@ -172,10 +173,10 @@ def evolve(
     """Run a specification, with other seeds than its own or not, and keep the record in memory.
 
     `run_block` is for runs that may be interrupted. Raises UserError for an impossible task, for
-    no seed at all and for a seed that is named twice.
+    no seed at all, for a seed that is named twice and for one that no run has.
     """
     checkout()
-    seeds = [spec.seed] if seeds is None else _distinct(seeds)
+    seeds = _distinct([spec.seed] if seeds is None else seeds)
     with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
         specs = [spec.model_copy(update={"seed": seed}) for seed in seeds]
         results = [run_seed(each, player, on_generation=on_generation) for each in specs]
@@ -235,10 +236,12 @@ def _record_of(result: SeedResult, budget: str | None) -> Record:
 
 
 def _distinct(seeds: Sequence[int]) -> list[int]:
-    """In order. Raises UserError where there is none, or one twice."""
+    """In order. Raises UserError where there is none, one twice, or one that no run has."""
     ordered = sorted(map(int, seeds))
     if not ordered or len(set(ordered)) < len(ordered):
         raise UserError(f"seeds {ordered}: give at least one, and none twice")
+    if not 0 <= ordered[0] <= ordered[-1] <= LARGEST_SEED:
+        raise UserError(f"seeds {ordered}: give integers from 0 to {LARGEST_SEED}")
     return ordered
 
 

@@ -28,7 +28,7 @@ from neol.constants import (
     Task,
 )
 from neol.errors import UserError
-from neol.model import MethodName, Model, NonNegativeInt, Population, PositiveInt, Text
+from neol.model import MethodName, Model, Population, PositiveInt, Seed, Text
 from neol.overlay import Overlay
 from neol.rules import RULES
 
@@ -49,7 +49,7 @@ class RunSpec(Model):
     """P."""
     generations: PositiveInt
     """G."""
-    seed: NonNegativeInt
+    seed: Seed
     network: Network
     plasticity: Plasticity
     evaluation: Evaluation

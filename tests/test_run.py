@@ -90,6 +90,16 @@ def test_seeds_are_distinct(seeds: list[int], tmp_path: Path) -> None:
         block(tmp_path / "run.parquet", seeds=tuple(seeds))
 
 
+@pytest.mark.parametrize("seed", [-1, 2**63])
+def test_seeds_are_what_a_record_holds(seed: int, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="give integers from 0 to 9223372036854775807"):
+        runs.evolve(SPEC, [seed])
+    with pytest.raises(UserError, match="give integers from 0 to 9223372036854775807"):
+        block(tmp_path / "run.parquet", seeds=(0, seed))
+    with pytest.raises(UserError, match=f"seed = {seed}: must be"):
+        run_spec(seed=seed)
+
+
 def test_seeds_may_be_an_array() -> None:
     record = runs.evolve(SPEC, np.arange(2), engine="reference")  # type: ignore[arg-type]
     assert [info.seed for info in record.seeds] == [0, 1]
