@@ -33,8 +33,9 @@ class Model(BaseModel):
 
 
 Probability = Annotated[float, Field(ge=0, le=1)]
-PositiveInt = Annotated[int, Field(ge=1)]
-NonNegativeInt = Annotated[int, Field(ge=0)]
+_LARGEST = 2**53  # compiled loops count so far, and every reader of JSON holds it exactly
+PositiveInt = Annotated[int, Field(ge=1, le=_LARGEST)]
+NonNegativeInt = Annotated[int, Field(ge=0, le=_LARGEST)]
 LARGEST_SEED = 2**63 - 1  # what a record's column holds
 Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 PositiveFloat = Annotated[float, Field(gt=0)]
@@ -104,5 +105,5 @@ WeightMutation = Annotated[
 ]
 ForEachTask = Annotated[
     PositiveInt | dict[Text, PositiveInt],
-    _union("must be an integer of at least 1, or such an integer for each task"),
+    _union("must be an integer from 1 to 2^53, or such an integer for each task"),
 ]

@@ -51,6 +51,11 @@ def test_an_unknown_budget(budget):
         ("neat.elitism=-1", "neat.elitism = -1: must be greater than or equal to 0"),
         ("budget.seeds=10001", "budget.seeds = 10001: must be less than or equal to 10000"),
         ("evaluation.episodes=1001", "evaluation.episodes = 1001: must be less than or equal to"),
+        ("neat.elitism=9007199254740993", "neat.elitism = 9007199254740993: must be less than or"),
+        (
+            "tasks.cartpole.max_steps=99999999999999999999999",
+            "tasks.cartpole.max_steps = 99999999999999999999999: must be less than or equal to",
+        ),
         ("neat.elitism.x=3", "neat.elitism = {'x': 3}: must be a valid integer"),
         ("neat.elitism=2026-01-01", "neat.elitism = '2026-01-01': must be a valid integer"),
         ("neat=3", "neat = 3: must be a mapping of keys to values"),
@@ -64,7 +69,7 @@ def test_an_unknown_budget(budget):
         ("tasks.cartpole.environment=this:Env", "tasks.cartpole.environment = 'this:Env'"),
         ("evaluation.episodes=0", "evaluation.episodes = 0: must be greater than or equal to 1"),
         ("evaluation.step_limit=0", "evaluation.step_limit = 0: must be greater than or equal"),
-        ("budget.seeds_per_job=0", "budget.seeds_per_job = 0: must be an integer of at least 1"),
+        ("budget.seeds_per_job=0", "budget.seeds_per_job = 0: must be an integer from 1 to 2^53"),
         ("budget.seeds_per_job={hopper: 3}", "budget.seeds_per_job: no number for cartpole"),
         ("network.hidden_activation=sin", "network.hidden_activation = 'sin': must be 'tanh', "),
         (
@@ -82,7 +87,8 @@ def test_an_unknown_budget(budget):
         ("budget.populations=50", "budget.populations = 50: must be a list"),
         ("budget.populations=[50, 1]", "budget.populations.1 = 1: must be greater than or equal"),
         ("budget.learning_rates=[-1]", "budget.learning_rates.0 = -1: must be greater than or"),
-        ("budget.generations=0", "budget.generations = 0: must be an integer of at least 1"),
+        ("budget.generations=0", "budget.generations = 0: must be an integer from 1 to 2^53"),
+        ("budget.generations=9007199254740993", "budget.generations = 9007199254740993: must be"),
         ("budget.generations={hopper: 3}", "budget.generations: no number for cartpole"),
     ],
 )
