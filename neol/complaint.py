@@ -16,12 +16,13 @@ _PLAIN_WORDS = {
 
 def one_line(
     error: ValidationError,
-    root: type[BaseModel],
+    root: object,
     place: Callable[[tuple[str, ...]], str] = ".".join,
 ) -> str:
     """The first of the errors, an unknown key before what it left missing.
 
-    `place` names a path of keys so that the user finds it.
+    `root` is the type that was asked for, a model or a dictionary of them; `place` names a path
+    of keys so that the user finds it.
     """
     first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
     loc = tuple(str(part) for part in first["loc"] if part != "[key]")
@@ -35,7 +36,7 @@ def one_line(
     return f"{place(loc)} = {first['input']!r}: {problem}" if loc else problem
 
 
-def _keys(root: type[BaseModel], loc: tuple[str, ...]) -> list[str]:
+def _keys(root: object, loc: tuple[str, ...]) -> list[str]:
     """The keys that the types allow at a place."""
     place: Any = root
     for key in loc:

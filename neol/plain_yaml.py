@@ -1,6 +1,7 @@
 """YAML from anyone: plain values only, and no more of them than a configuration needs."""
 
 import re
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -80,8 +81,9 @@ def read_yaml(path: Path, name: str) -> Any:
     return parse_yaml(text, name)
 
 
+@lru_cache(maxsize=64)  # a study lays each variant's few constants over the same files
 def parse_yaml(text: str, name: str) -> Any:
-    """The same of a text."""
+    """The same of a text. Whoever asks again gets the same object: it is not to be changed."""
     try:
         return yaml.load(text, Loader=_Loader)  # a SafeLoader
     except yaml.MarkedYAMLError as error:

@@ -3,13 +3,18 @@
 config/sensitivity/ lists the variants and states the study's size; the workflow runs their trials.
 """
 
+import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
+
+from pydantic import TypeAdapter, ValidationError
 
 from neol.campaign import RESULTS
+from neol.complaint import hint, one_line
 from neol.errors import UserError
-from neol.model import Model, Population, PositiveInt
+from neol.model import MethodName, Model, Population, PositiveInt, Several
 from neol.overlay import Overlay
 from neol.spec import CONFIG, Configuration, RunSpec, load_configuration
 
@@ -18,6 +23,7 @@ STUDY = CONFIG / "sensitivity" / "study.yaml"
 BASELINE = "baseline"
 FIRST_SEED = 1_000_000
 """Tuning seeds begin here, beyond those of every budget."""
+Content = TypeVar("Content")
 
 
 class Study(Model):
@@ -31,7 +37,7 @@ class Study(Model):
 class Variant(Model):
     """Some constants changed, for the methods that they concern."""
 
-    methods: tuple[str, ...]
+    methods: Several[MethodName]
     set: tuple[str, ...]
 
 
@@ -49,29 +55,35 @@ class Trial:
 
 
 def study() -> Study:
-    """The size that the file states."""
-    overlay = Overlay()
-    overlay.add_file(STUDY)
-    return Study.model_validate(overlay.values, strict=False)
+    """The size that the file states. Raises UserError for what it may not state."""
+    return _read(STUDY, Study)
 
 
 def variants() -> dict[str, Variant]:
-    """Those that the file lists, the baseline first."""
+    """Those that the file lists, the baseline first. Raises UserError for what it may not list."""
+    return _read(VARIANTS, dict[str, Variant])
+
+
+def _read(path: Path, kind: type[Content]) -> Content:
     overlay = Overlay()
-    overlay.add_file(VARIANTS)
-    return {
-        name: Variant.model_validate(content, strict=False)
-        for name, content in overlay.values.items()
-    }
+    overlay.add_file(path)
+    try:
+        return TypeAdapter(kind).validate_json(json.dumps(overlay.values))
+    except ValidationError as error:
+        raise UserError(one_line(error, kind, overlay.place)) from None
 
 
 def trials(configuration: Configuration, name: str) -> list[Trial]:
     """What a variant runs in a budget, for each of its tasks and methods."""
     budget, most = configuration.budget, study()
-    if name not in variants():
-        raise UserError(f'unknown variant "{name}" (allowed: {", ".join(variants())})')
-    variant = variants()[name]
-    changed = load_configuration(budget.name, variant.set)
+    known = variants()
+    if name not in known:
+        raise UserError(f'unknown variant "{name}"{hint(name, known)}')
+    variant = known[name]
+    try:
+        changed = load_configuration(budget.name, variant.set)
+    except UserError as error:
+        raise UserError(f"{VARIANTS.parent.name}/{VARIANTS.name}: {name}.set: {error}") from None
     rate = budget.learning_rates[len(budget.learning_rates) // 2]
     seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seeds, most.seeds))
     return [

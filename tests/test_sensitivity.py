@@ -1,17 +1,23 @@
 """Variants: what they run, and what is said of them."""
 
 import math
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 
+from neol import sensitivity as study_of
 from neol.analysis.sensitivity import sensitivity
 from neol.campaign import RESULTS
 from neol.errors import UserError
+from neol.jobs import jobs
 from neol.records import write_record
 from neol.sensitivity import BASELINE, STUDY, trials, variants
 from neol.spec import budgets, load_configuration
 from tests.analysis.made_up import run, write_trials
+from tests.refusal import refusal
 
 SMOKE = load_configuration("smoke")
 
@@ -66,6 +72,49 @@ def test_every_record_has_a_place_of_its_own() -> None:
 def test_an_unknown_variant_is_refused() -> None:
     with pytest.raises(UserError, match='unknown variant "beta 7"'):
         trials(SMOKE, "beta 7")
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "expected"),
+    [
+        ("STUDY", "seeds:", "sedes:", 'study.yaml: sedes: unknown key, did you mean "seeds"?'),
+        ("STUDY", "population: 50", "population: 1", "study.yaml: population = 1: must be greater"),
+        ("VARIANTS", "alpha 1: {methods", "alpha 1: {method", "alpha 1.method: unknown key, did"),
+        ("VARIANTS", "[bcm]", "[bmc]", "variants.yaml: beta 0.001.methods.0 = 'bmc': must be"),
+        ("VARIANTS", "[bcm]", "[]", "variants.yaml: beta 0.001.methods = []: must not be empty"),
+        ("VARIANTS", "{methods: [bcm, neat], set: []}", "3", "variants.yaml: baseline = 3: must"),
+        ("VARIANTS", "reward_scale", "scale", "beta 0.001.set: --set: plasticity.scale: unknown"),
+    ],
+)
+def test_a_mistake_in_a_file_is_one_line(
+    name: str,
+    right: str,
+    wrong: str,
+    expected: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    file: Path = getattr(study_of, name)
+    broken = tmp_path / "sensitivity" / file.name
+    broken.parent.mkdir()
+    broken.write_text(file.read_text().replace(right, wrong))
+    monkeypatch.setattr(study_of, name, broken)
+    line = refusal(lambda: list(jobs(SMOKE)))
+    assert line.startswith(f"sensitivity/{file.name}: ")
+    assert expected in line
+
+
+def test_no_file_is_parsed_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    parsed: Counter[str] = Counter()
+    load = yaml.load
+
+    def counted(text: str, **how: Any) -> Any:
+        parsed[text] += 1
+        return load(text, **how)
+
+    monkeypatch.setattr(yaml, "load", counted)
+    list(jobs(SMOKE))
+    assert set(parsed.values()) <= {1}
 
 
 def test_a_trial_of_other_seeds_is_refused(tmp_path: Path) -> None:
