@@ -248,7 +248,7 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
         if registered.max_episode_steps is None:  # as for what is gone, which making it tells
             with warnings.catch_warnings(action="ignore"):
                 gymnasium.make(environment, disable_env_checker=True).close()
-    except (gymnasium.error.Error, ImportError) as error:
+    except Exception as error:  # the environment is not ours
         raise UserError(f'task "{task}": {" ".join(str(error).split())}') from None
     constants = {"environment": environment, "fresh_world": True}
     if registered.max_episode_steps is not None:

@@ -1,5 +1,6 @@
 """A run's specification: what the configuration makes of it, its digests, what is refused."""
 
+import gymnasium
 import pytest
 
 from neol.spec import Configuration, RunSpec, load_configuration
@@ -127,6 +128,18 @@ def test_an_environment_that_is_gone_is_refused_with_a_limit_too():
     expected = 'task "gym:Ant-v2": The mujoco v2 and v3 based environments have been moved'
     text = refusal(load_configuration, "paper", ["tasks.gym:Ant-v2.max_steps=9"])
     assert text.startswith(expected)
+
+
+def test_an_environment_that_cannot_be_made_is_refused(paper):
+    def construct(**_settings):
+        raise FileNotFoundError("no\ntrack")
+
+    gymnasium.register("Trackless-v0", construct)
+    try:
+        text = refusal(paper.run_spec, **RUN | {"task": "gym:Trackless-v0"})
+    finally:
+        del gymnasium.registry["Trackless-v0"]
+    assert text == 'task "gym:Trackless-v0": no track'
 
 
 def test_a_species_never_needs_more_than_the_population():
