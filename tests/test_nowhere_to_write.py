@@ -4,6 +4,7 @@ import os
 import resource
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -83,6 +84,17 @@ def test_a_disk_that_is_full(full_disk: Path, monkeypatch: pytest.MonkeyPatch) -
         assert_finishes(SHORT, expected)
         Path("run.parquet").unlink()
     assert {"seed_000000.npz", "seed_000001.npz"} <= set(files)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a system without a full device")
+@pytest.mark.parametrize("command", ["config", "--version"])
+def test_a_disk_that_is_full_behind_what_is_printed(command: str) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "neol", command], stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    line = "neol: standard output: No space left on device; mend that or choose another place\n"
+    assert (done.returncode, done.stderr) == (2, line)
 
 
 def powerless() -> None:

@@ -1,5 +1,6 @@
 """The application: how its commands fail, what their options share."""
 
+import errno
 import os
 import sys
 from typing import Annotated, Any, NoReturn
@@ -25,6 +26,7 @@ EXIT_CODES = {
     143: "terminated",
 }
 DISAGREES = 3
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 LONGEST_SUMMARY = 120
 """Characters of what a command is said to do."""
 
@@ -55,13 +57,8 @@ class Commands(TyperGroup):
             complain(INTERRUPTED)
             raise typer.Exit(130) from None
         except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nor is what is left at exit written
+            _print_no_more()
             raise typer.Exit(141) from None
-        except OSError as error:  # such as of a folder that may not be entered
-            if error.filename is None:
-                raise
-            line = f"{error.filename}: {error.strerror}; mend that or choose another place"
-            raise UserError(line) from error
         return result
 
     def main(self, *args: Any, **extra: Any) -> NoReturn:
@@ -72,6 +69,9 @@ class Commands(TyperGroup):
         except UserError as error:
             complain(str(error))
             status = 2
+        except OSError as error:
+            complain(str(_told(error)))
+            status = 2
         except typer.TyperException as error:
             message = " ".join(error.format_message().split())
             context = getattr(error, "ctx", None)
@@ -79,6 +79,22 @@ class Commands(TyperGroup):
             complain(f"{message.rstrip('.')} ({command} --help says more)")
             status = error.exit_code
         sys.exit(status or 0)
+
+
+def _told(error: OSError) -> UserError:
+    """Such as of a folder that may not be entered, or of a full disk behind standard output."""
+    place = error.filename
+    if place is None and error.errno in NO_ROOM:
+        place = "standard output"
+        _print_no_more()
+    if place is None:
+        raise error
+    return UserError(f"{place}: {error.strerror}; mend that or choose another place")
+
+
+def _print_no_more() -> None:
+    """Let nothing that is left at exit be written: that would fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 app = typer.Typer(
@@ -93,7 +109,7 @@ def _show_version(wanted: bool) -> None:
     if wanted:
         from neol.provenance import package_version
 
-        print(f"neol {package_version('neol') or '(not installed)'}")
+        print(f"neol {package_version('neol') or '(not installed)'}", flush=True)
         raise typer.Exit
 
 
