@@ -1,10 +1,11 @@
-"""Files that are whole or not there: atomic writing, bounded reading; names of folders."""
+"""Files that are whole or not there: atomic writing, bounded reading; folders."""
 
 import contextlib
 import hashlib
 import os
 import secrets
 import stat
+import tempfile
 from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
@@ -79,6 +80,19 @@ def sha256(path: Path) -> str:
     """SHA-256 in hex of a file's content. Raises UserError where there is none."""
     with open_regular(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def cache_folder() -> Path:
+    """The user's folder for what can be made again; a user without a home has a temporary one."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    with contextlib.suppress(RuntimeError):  # no home, as a container's unknown user
+        return Path(base or Path.home() / ".cache") / "neol"
+    return temporary_cache_folder()
+
+
+def temporary_cache_folder() -> Path:
+    """The same in the system's temporary folder, where others may have made it."""
+    return Path(tempfile.gettempdir(), f"neol-{os.getuid()}")
 
 
 def files_below(folder: Path, pattern: str, above: tuple[Path, ...] = ()) -> Iterator[Path]:

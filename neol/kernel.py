@@ -14,6 +14,8 @@ from typing import TypeVar, cast
 
 import numba
 
+from neol.files import cache_folder, temporary_cache_folder
+
 UNUSED_SECONDS = 30 * 24 * 3600
 """A cache that no process has opened for so long is removed."""
 
@@ -53,9 +55,8 @@ def _cache_folder() -> Path:
     Where the user's cache cannot be written, one in the system's temporary folder serves. Only a
     folder that nobody else can write does: numba unpickles what it finds in it.
     """
-    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "neol"
-    temporary = Path(tempfile.gettempdir(), f"neol-{os.getuid()}")
-    for base in (Path(os.environ.get("NUMBA_CACHE_DIR", default)), temporary):
+    chosen = Path(os.environ.get("NUMBA_CACHE_DIR") or cache_folder())
+    for base in (chosen, temporary_cache_folder()):
         folder = base / f"kernels-{source_digest()}"
         with contextlib.suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)

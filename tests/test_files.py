@@ -2,13 +2,22 @@
 
 import errno
 import os
+import pwd
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from neol.errors import UserError
-from neol.files import files_below, folder, read_bounded, sha256, write_atomically
+from neol.files import (
+    cache_folder,
+    files_below,
+    folder,
+    read_bounded,
+    sha256,
+    temporary_cache_folder,
+    write_atomically,
+)
 
 
 def test_written_is_read(tmp_path: Path) -> None:
@@ -99,3 +108,14 @@ def test_links_are_followed_but_not_around(tmp_path: Path) -> None:
     (tmp_path / "results" / "nowhere.parquet").symlink_to(tmp_path / "gone")
     found = [path.relative_to(tmp_path) for path in files_below(tmp_path / "results", "*.parquet")]
     assert found == [Path("results/desk/b/x.parquet"), Path("results/nowhere.parquet")]
+
+
+def test_a_user_without_a_home_has_a_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / ".cache" / "neol"
+    monkeypatch.delenv("HOME")
+    monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
+    assert cache_folder() == temporary_cache_folder()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / "neol"

@@ -1,6 +1,7 @@
 """Where compiled kernels are kept."""
 
 import os
+import pwd
 import subprocess
 import sys
 import tempfile
@@ -67,6 +68,16 @@ def test_a_cache_of_another_user_is_not_read(
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
     assert _cache_folder().name.startswith("neol-kernels-")
+
+
+def test_an_unknown_user_without_a_home_has_a_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    assert _cache_folder().parent == tmp_path / f"neol-{os.getuid()}"
 
 
 def test_long_unused_caches_are_removed(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 
+from neol.files import cache_folder
 from neol.pcg64 import seed_pcg64
 from neol.rollout.box2d.library import FLAGS, FOLDER, LIBRARY, LOCK, TASKS, load, stamp
 
@@ -54,15 +55,14 @@ def find_compiler() -> list[str]:
 def fetch_source(folder: Path) -> Path:
     """Unpack Box2D's source into a folder. Its archive is kept in the user's cache."""
     expected = re.findall(r"--hash=sha256:(\w+)", LOCK.read_text())[0]
-    cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "neol"
-    archive = cache / f"box2d-{expected[:16]}.tar.gz"
+    archive = cache_folder() / f"box2d-{expected[:16]}.tar.gz"
     if not (archive.exists() and hashlib.sha256(archive.read_bytes()).hexdigest() == expected):
         download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps"]
         download += ["--no-binary", ":all:", "--require-hashes", "--requirement", str(LOCK)]
         _run([*download, "--dest", str(folder)], "pip could not fetch Box2D's source")
         (downloaded,) = folder.glob("*.tar.gz")
         with contextlib.suppress(OSError):
-            cache.mkdir(parents=True, exist_ok=True)
+            archive.parent.mkdir(parents=True, exist_ok=True)
             copy = shutil.copy(downloaded, archive.with_suffix(f".{os.getpid()}"))
             Path(copy).replace(archive)
         archive = downloaded
