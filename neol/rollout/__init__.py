@@ -17,7 +17,7 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
     """The engine that plays a task's episodes, spread over so many workers.
 
     `fast` is compiled and exists for the paper's tasks, `reference` runs any environment, `auto`
-    takes the fast one where it can, and says so where a missing C++ core keeps it from that. All
+    takes the fast one where it can, and says so where what is installed keeps it from that. All
     return the same bits.
     Raises UserError where `fast` is asked for and cannot be had, or the environment is unknown.
     """
@@ -33,7 +33,7 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
             return engine
         if choice == "fast":
             raise UserError(f"no fast engine for {task.environment}: {engine}; use --engine auto")
-        if task.environment in TASKS:
+        if task.environment in ("Hopper-v4", *TASKS):
             notice = f"{NOTICE}the reference engine plays {task.environment}: {engine}"
             print(notice, file=sys.stderr)
     if workers == 1:

@@ -107,6 +107,8 @@ def fast_engine(task: Task, workers: int = 1) -> Engine | str:
     elif task.environment == "Hopper-v4":
         from neol.rollout import hopper
 
+        if not hopper.TELLS_ADDRESSES:
+            return "this version of mujoco does not say where its structs lie"
         make_simulation = hopper.Simulation
     elif task.environment in box2d.TASKS:
         if task.environment != "LunarLander-v3" and not task.fresh_world:

@@ -22,6 +22,12 @@ from neol.rollout.episodes import Batch, play_batch
 
 Array = npt.NDArray[np.float64]
 
+TELLS_ADDRESSES = all(hasattr(kind, "_address") for kind in (mujoco.MjModel, mujoco.MjData))
+"""Whether MuJoCo's bindings say where its structs lie.
+
+Compiled code must know, and only this private attribute says it.
+"""
+
 FRAME_SKIP = 4
 SECONDS = 0.002 * FRAME_SKIP
 RESET_NOISE = 5e-3

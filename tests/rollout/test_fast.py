@@ -10,10 +10,11 @@ import numpy.typing as npt
 import pytest
 
 from neol.constants import Plasticity, Task
+from neol.errors import UserError
 from neol.evolution import Evolution
 from neol.neat.genome import decode
 from neol.network import ACTIVATIONS, Networks
-from neol.rollout import Engine, Rollouts, make_engine
+from neol.rollout import Engine, Rollouts, hopper, make_engine
 from neol.rollout.box2d import library as box2d
 from neol.rollout.episodes import Batch
 from neol.rollout.fast import FastEngine, fast_engine
@@ -232,3 +233,14 @@ def test_the_choice_of_an_engine() -> None:
     assert isinstance(fast_engine(task.model_copy(update={"environment": "Acrobot-v1"})), str)
     walker = task_of("bipedal_walker").model_copy(update={"fresh_world": False})
     assert "fresh world" in str(fast_engine(walker))
+
+
+def test_without_addresses_the_reference_engine_plays_hopper(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(hopper, "TELLS_ADDRESSES", False)
+    assert isinstance(make_engine(task_of("hopper")), ReferenceEngine)
+    (notice,) = capsys.readouterr().err.splitlines()
+    assert notice.startswith("neol: note: the reference engine plays Hopper-v4: this version of")
+    with pytest.raises(UserError, match="no fast engine for Hopper-v4: this version of mujoco"):
+        make_engine(task_of("hopper"), "fast")
