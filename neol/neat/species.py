@@ -48,7 +48,7 @@ def distance(one: Genome, other: Genome, neat: Neat) -> float:
 
 def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.float64]:
     """Distance of each genome of a pool to a representative, float64[P]."""
-    distances = np.empty(len(pool.connection_offset) - 1)
+    found = np.empty(len(pool.connection_offset) - 1)
     _distances(
         pool.connections,
         pool.connection_offset,
@@ -56,9 +56,9 @@ def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.
         neat.disjoint_coefficient,
         neat.weight_coefficient,
         neat.distance_normaliser == "larger_genome",
-        distances,
+        found,
     )
-    return distances
+    return found
 
 
 def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
