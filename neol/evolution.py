@@ -98,12 +98,12 @@ class Evolution:
         rollouts = engine.evaluate(networks, seeds, self.spec.plasticity)
         worst = min((row.best_fitness for row in self.history), default=0.0)
         self.population.fitness = finite_fitness(rollouts, fallback=worst)
+        learned = keep_inherited_where_failed(networks, rollouts)
         if self.spec.plasticity.write_back:
-            learned = keep_inherited_where_failed(networks, rollouts)
             encode_weights(self.population.pool, gene, learned)
         speciate(self.population, self.species_set, self.spec.neat)
         self.digest = _chain(self.digest, networks, rollouts)
-        self.history.append(self._statistics(number, networks, rollouts))
+        self.history.append(self._statistics(number, networks, rollouts, learned))
         return self.history[-1]
 
     def champion(self) -> Genome:
@@ -133,12 +133,18 @@ class Evolution:
         inputs, outputs = self.reproduction.inputs, self.reproduction.outputs
         return decode(pool, inputs, outputs, self.spec.network)
 
-    def _statistics(self, number: int, networks: Networks, rollouts: Rollouts) -> Generation:
+    def _statistics(
+        self,
+        number: int,
+        networks: Networks,
+        rollouts: Rollouts,
+        learned: npt.NDArray[np.float64],
+    ) -> Generation:
         fitness = self.population.fitness
         best = int(np.argmax(fitness))
         nodes = np.diff(networks.node_offset)
         connections = np.diff(networks.edge_bounds)
-        change = np.abs(keep_inherited_where_failed(networks, rollouts) - networks.weight)
+        change = np.abs(learned - networks.weight)
         before = self.history[-1] if self.history else None
         return Generation(
             generation=number,
