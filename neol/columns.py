@@ -4,8 +4,7 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import fields
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -13,30 +12,13 @@ import pyarrow as pa
 
 from neol.evolution import COLUMNS, Generation
 
-# column: (unit, meaning); the types are those of `Generation`.
-DOCUMENTATION = {
+_VALUES = get_type_hints(Generation, include_extras=True)
+DOCUMENTATION: dict[str, tuple[str, str]] = {
     "seed": ("", "The run's seed."),
-    "generation": ("", "From 1."),
-    "best_fitness": ("return", "Highest fitness of the population: mean return over N episodes."),
-    "mean_fitness": ("return", "Mean fitness of the population."),
-    "sd_fitness": ("return", "Standard deviation of the population's fitness (ddof = 0)."),
-    "evaluations": ("genomes", "Genomes evaluated so far in the run."),
-    "env_steps": ("steps", "Environment steps so far in the run, held-out episodes left out."),
-    "species": ("species", "Number of species."),
-    "nodes_mean": ("nodes", "Mean number of a genome's hidden and output nodes."),
-    "connections_mean": ("connections", "Mean number of a genome's enabled connections."),
-    "nodes_best": ("nodes", "Hidden and output nodes of the best genome."),
-    "connections_best": ("connections", "Enabled connections of the best genome."),
-    "weight_change_mean": (
-        "weight",
-        "Mean \\|w after - w before\\| of an evaluation, over all connections of the population.",
-    ),
-    "failed_evaluations": (
-        "genomes",
-        "Evaluations so far that met an observation, reward or weight that was not finite.",
-    ),
+    **{name: value.__metadata__ for name, value in _VALUES.items()},
 }
-_INTEGERS = {"seed"} | {column.name for column in fields(Generation) if column.type is int}
+"""Each column's unit and meaning."""
+_INTEGERS = {"seed"} | {name for name, value in _VALUES.items() if value.__origin__ is int}
 SCHEMA = pa.schema(
     [
         pa.field(
@@ -52,10 +34,13 @@ SCHEMA = pa.schema(
 
 def describe_columns() -> str:
     """The columns as a Markdown table."""
+
+    def cell(text: str) -> str:
+        return text.replace("|", "\\|") or "-"
+
     rows = [
-        f"| `{field.name}` | {field.type} | {DOCUMENTATION[field.name][0] or '-'} "
-        f"| {DOCUMENTATION[field.name][1]} |"
-        for field in SCHEMA
+        f"| `{field.name}` | {field.type} | {cell(unit)} | {cell(meaning)} |"
+        for field, (unit, meaning) in zip(SCHEMA, DOCUMENTATION.values(), strict=True)
     ]
     return "\n".join(["| column | type | unit | meaning |", "| --- | --- | --- | --- |", *rows])
 

@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
@@ -19,34 +20,37 @@ from neol.spec import RunSpec
 
 @dataclass(frozen=True, slots=True)
 class Generation:
-    """What one generation came to: a row of a record."""
+    """What one generation came to: a row of a record. Each value has its unit and its meaning."""
 
-    generation: int
-    """From 1."""
-    best_fitness: float
-    """Highest fitness of the population; fitness is the mean return over N episodes."""
-    mean_fitness: float
-    """Mean fitness of the population."""
-    sd_fitness: float
-    """Standard deviation of the fitness over the population (ddof = 0)."""
-    evaluations: int
-    """Genomes evaluated so far in the run."""
-    env_steps: int
-    """Environment steps taken so far in the run; held-out episodes do not count."""
-    species: int
-    """Number of species."""
-    nodes_mean: float
-    """Mean number of hidden and output nodes of a genome."""
-    connections_mean: float
-    """Mean number of enabled connections of a genome."""
-    nodes_best: int
-    """Hidden and output nodes of the best genome."""
-    connections_best: int
-    """Enabled connections of the best genome."""
-    weight_change_mean: float
-    """Mean |w after - w before| of an evaluation, over all connections of the population."""
-    failed_evaluations: int
-    """Evaluations so far in which an observation, a weight or a return was not finite."""
+    generation: Annotated[int, "", "From 1."]
+    best_fitness: Annotated[
+        float, "return", "Highest fitness of the population: mean return over N episodes."
+    ]
+    mean_fitness: Annotated[float, "return", "Mean fitness of the population."]
+    sd_fitness: Annotated[
+        float, "return", "Standard deviation of the population's fitness (ddof = 0)."
+    ]
+    evaluations: Annotated[int, "genomes", "Genomes evaluated so far in the run."]
+    env_steps: Annotated[
+        int, "steps", "Environment steps so far in the run, held-out episodes left out."
+    ]
+    species: Annotated[int, "species", "Number of species."]
+    nodes_mean: Annotated[float, "nodes", "Mean number of a genome's hidden and output nodes."]
+    connections_mean: Annotated[
+        float, "connections", "Mean number of a genome's enabled connections."
+    ]
+    nodes_best: Annotated[int, "nodes", "Hidden and output nodes of the best genome."]
+    connections_best: Annotated[int, "connections", "Enabled connections of the best genome."]
+    weight_change_mean: Annotated[
+        float,
+        "weight",
+        "Mean |w after - w before| of an evaluation, over all connections of the population.",
+    ]
+    failed_evaluations: Annotated[
+        int,
+        "genomes",
+        "Evaluations so far that met an observation, weight or sum of rewards that was not finite.",
+    ]
 
 
 @dataclass(slots=True)
