@@ -82,6 +82,26 @@ def test_a_folder_that_is_not_there_is_made(command: str, output: str, tmp_path:
     assert (tmp_path / "new" / "one" / output).stat().st_size > 0
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        "replay a.parquet --gif b.parquet/a.gif",
+        "show a.parquet --output b.parquet/new/a.png",
+        "compare a.parquet --output b.parquet/a.png",
+        "export a.parquet --format json --output b.parquet/a.json",
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_the_work(command: str, tmp_path: Path) -> None:
+    assert f"{tmp_path / 'b.parquet'} is no folder to write in" in refused(command)
+
+
+def test_a_read_only_folder_is_refused_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "access", lambda _, mode: not mode & os.W_OK)  # not even root
+    assert f"a.gif: {tmp_path} is no folder to write in" in refused("replay a.parquet --gif a.gif")
+
+
 @pytest.mark.slow
 def test_replay_films_the_first_of_them(tmp_path: Path) -> None:
     outcome = neol("replay a.parquet --first 1 --gif a.gif")

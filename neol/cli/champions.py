@@ -1,5 +1,6 @@
 """Champions after their runs: replay, film, draw, compare and export them."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -172,9 +173,12 @@ def export(
 
 
 def _check_output(output: Path) -> None:
-    """Refuse before the work what could not be written after it; a folder is made then."""
+    """Refuse before the work what could not be written after it; missing folders are made then."""
     if output.is_dir():
         raise UserError(f"{output}: is a folder; name a file in it")
+    folder = next(each for each in output.absolute().parents if each.exists())
+    if not (folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)):
+        raise UserError(f"{output}: {folder} is no folder to write in; choose another place")
 
 
 def _check_playable(record: Path, player: "Player", episode: int) -> None:
