@@ -97,6 +97,7 @@ def run(
     from neol.spec import DEFAULT_BUDGET, load_configuration
 
     budget_name, overrides = budget or DEFAULT_BUDGET, overrides or []
+    # Before the options: --max-steps would make a constant of a task that is not there.
     load_configuration(budget_name, overrides).check_names(task, method)
     spec = load_configuration(budget_name, overrides, options).run_spec(
         task=task,
