@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from neol.analysis.labels import drawn, method_label, task_label
 from neol.analysis.style import GREY, WIDTH, drawing
-from neol.champions.graph import Edge, graph
+from neol.champions.graph import Edge, Graph, graph
 from neol.champions.names import names
 from neol.champions.player import Floats, Player, Trace
 from neol.errors import UserError
@@ -52,9 +52,7 @@ def draw_network(
     float64[E]. Disabled genes are dotted; hidden nodes that nothing enabled touches are left out.
     `inputs` and `outputs` say which names are written. Returns the lines, for a colour bar.
     """
-    network = player.network
-    hidden = range(network.inputs, network.inputs + len(network.bias) - network.outputs)
-    weights = network.weight if weights is None else weights
+    weights = player.network.weight if weights is None else weights
     colours = weights if colours is None else colours
     shown = graph(player)
     limit = limit or _largest(colours)
@@ -76,6 +74,18 @@ def draw_network(
     )
     axes.add_collection(lines)
     axes.add_collection(disabled)
+    _draw_nodes(axes, player, shown)
+    _write_names(axes, player, shown, inputs=inputs, outputs=outputs)
+    axes.set_xlim(-0.02, 1.02)
+    axes.set_ylim(0, 1)
+    axes.set_axis_off()
+    return lines
+
+
+def _draw_nodes(axes: Axes, player: Player, shown: Graph) -> None:
+    """Circles, those of hidden nodes larger and numbered."""
+    network = player.network
+    hidden = range(network.inputs, network.inputs + len(network.bias) - network.outputs)
     for node, place in shown.places.items():
         size = 44 if node in hidden else 20
         axes.scatter(*place, s=size, facecolor="white", edgecolor="black", linewidth=0.8, zorder=2,
@@ -83,8 +93,12 @@ def draw_network(
         if node in hidden:
             number = str(node - network.inputs + 1)
             axes.annotate(number, place, ha="center", va="center", fontsize=5)
+
+
+def _write_names(axes: Axes, player: Player, shown: Graph, *, inputs: bool, outputs: bool) -> None:
+    """The names of inputs left of them and of outputs right of them, where they are wanted."""
     for node, name in _node_names(player).items():
-        is_input = node < network.inputs
+        is_input = node < player.network.inputs
         if inputs if is_input else outputs:
             axes.annotate(
                 name,
@@ -95,10 +109,6 @@ def draw_network(
                 va="center",
                 fontsize=7,
             )
-    axes.set_xlim(-0.02, 1.02)
-    axes.set_ylim(0, 1)
-    axes.set_axis_off()
-    return lines
 
 
 def network_figure(player: Player) -> Figure:
