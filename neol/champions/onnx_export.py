@@ -1,11 +1,13 @@
 """Champions as ONNX, for any runtime of that format. Needs the package onnx."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from neol.champions.export import Discrete, export
+from neol.champions.export import Continuous, Discrete, export
 from neol.champions.graph import edges, layers
 from neol.champions.player import Floats, Player
 from neol.errors import UserError
@@ -26,60 +28,16 @@ def to_onnx(player: Player) -> bytes:
     """
     try:
         import onnx
-        from onnx import TensorProto, helper, numpy_helper
+        from onnx import helper
     except ModuleNotFoundError:
         raise UserError("--format onnx needs the package onnx: pip install onnx") from None
 
     network = export(player)
-    inputs, outputs, action = len(network.inputs), len(network.outputs), network.action
-    constants = {"low_sum": np.array(-network.sum_limit), "high_sum": np.array(network.sum_limit)}
-    nodes = []
-
-    def compute(operator: str, operands: list[str], result: str, **attributes: Any) -> str:
-        nodes.append(helper.make_node(operator, operands, [result], **attributes))
-        return result
-
-    values = "observation"
-    *hidden, last = matrices(player.network)
-    for layer, (weights, bias) in enumerate([*hidden, last], 1):
-        constants |= {f"weights_{layer}": weights, f"bias_{layer}": bias}
-        total = compute("MatMul", [values, f"weights_{layer}"], f"product_{layer}")
-        total = compute("Add", [total, f"bias_{layer}"], f"sum_{layer}")
-        total = compute("Clip", [total, "low_sum", "high_sum"], f"clipped_{layer}")
-        if layer > len(hidden):
-            compute("Tanh", [total], "outputs")
-        else:
-            operator = _OPERATORS[player.spec.network.hidden_activation]
-            active = compute(operator, [total], f"activity_{layer}")
-            values = compute("Concat", [values, active], f"values_{layer}", axis=1)
-    if isinstance(action, Discrete):
-        constants["start"] = np.array(action.start)
-        largest = compute("ArgMax", ["outputs"], "largest", axis=1, keepdims=0)
-        compute("Add", [largest, "start"], "action")
-        kind, width = TensorProto.INT64, []
-    else:
-        constants |= {"low": np.array(action.low), "high": np.array(action.high)}
-        clipped = compute("Max", ["outputs", "low"], "not_below")
-        clipped = compute("Min", [clipped, "high"], "clipped")
-        kind = helper.np_dtype_to_tensor_dtype(np.dtype(action.dtype))
-        compute("Cast", [clipped], "action", to=kind)
-        width = [outputs]
-
-    def floats(name: str, width: int) -> onnx.ValueInfoProto:
-        return helper.make_tensor_value_info(name, TensorProto.DOUBLE, ["batch", width])
-
-    graph = helper.make_graph(
-        nodes,
-        "champion",
-        [floats("observation", inputs)],
-        [
-            floats("outputs", outputs),
-            helper.make_tensor_value_info("action", kind, ["batch", *width]),
-        ],
-        [numpy_helper.from_array(value, name) for name, value in constants.items()],
-    )
+    computation = _Computation()
+    _add_layers(computation, player)
+    action = _add_action(computation, network.action, len(network.outputs))
     model = helper.make_model(
-        graph,
+        computation.graph(len(network.inputs), len(network.outputs), action),
         producer_name="neol",
         ir_version=IR_VERSION,
         opset_imports=[helper.make_opsetid("", OPSET)],
@@ -88,6 +46,70 @@ def to_onnx(player: Player) -> bytes:
     helper.set_model_props(model, {key: str(value) for key, value in about.items()})
     onnx.checker.check_model(model, full_check=True)
     return bytes(model.SerializeToString(deterministic=True))
+
+
+@dataclass(slots=True)
+class _Computation:
+    """Operations on values that have names, from `observation` to `outputs` and `action`."""
+
+    operations: list[Any] = field(default_factory=list)
+    constants: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
+
+    def add(self, operator: str, operands: list[str], result: str, **attributes: Any) -> str:
+        """Compute a value; returns its name."""
+        from onnx import helper
+
+        self.operations.append(helper.make_node(operator, operands, [result], **attributes))
+        return result
+
+    def graph(self, inputs: int, outputs: int, action: Any) -> Any:
+        """The whole of it; `action` is that output's description."""
+        from onnx import TensorProto, helper, numpy_helper
+
+        constants = [numpy_helper.from_array(value, name) for name, value in self.constants.items()]
+        observation, output = (
+            helper.make_tensor_value_info(name, TensorProto.DOUBLE, ["batch", width])
+            for name, width in (("observation", inputs), ("outputs", outputs))
+        )
+        return helper.make_graph(
+            self.operations, "champion", [observation], [output, action], constants
+        )
+
+
+def _add_layers(computation: _Computation, player: Player) -> None:
+    """From `observation` to `outputs`: a matrix product for each layer."""
+    limit = player.network.sum_limit
+    computation.constants |= {"low_sum": np.array(-limit), "high_sum": np.array(limit)}
+    values = "observation"
+    *hidden, last = matrices(player.network)
+    for layer, (weights, bias) in enumerate([*hidden, last], 1):
+        computation.constants |= {f"weights_{layer}": weights, f"bias_{layer}": bias}
+        total = computation.add("MatMul", [values, f"weights_{layer}"], f"product_{layer}")
+        total = computation.add("Add", [total, f"bias_{layer}"], f"sum_{layer}")
+        total = computation.add("Clip", [total, "low_sum", "high_sum"], f"clipped_{layer}")
+        if layer > len(hidden):
+            computation.add("Tanh", [total], "outputs")
+        else:
+            operator = _OPERATORS[player.spec.network.hidden_activation]
+            active = computation.add(operator, [total], f"activity_{layer}")
+            values = computation.add("Concat", [values, active], f"values_{layer}", axis=1)
+
+
+def _add_action(computation: _Computation, action: Discrete | Continuous, outputs: int) -> Any:
+    """From `outputs` to `action`; returns its description."""
+    from onnx import TensorProto, helper
+
+    if isinstance(action, Discrete):
+        computation.constants["start"] = np.array(action.start)
+        largest = computation.add("ArgMax", ["outputs"], "largest", axis=1, keepdims=0)
+        computation.add("Add", [largest, "start"], "action")
+        return helper.make_tensor_value_info("action", TensorProto.INT64, ["batch"])
+    computation.constants |= {"low": np.array(action.low), "high": np.array(action.high)}
+    clipped = computation.add("Max", ["outputs", "low"], "not_below")
+    clipped = computation.add("Min", [clipped, "high"], "clipped")
+    kind = helper.np_dtype_to_tensor_dtype(np.dtype(action.dtype))
+    computation.add("Cast", [clipped], "action", to=kind)
+    return helper.make_tensor_value_info("action", kind, ["batch", outputs])
 
 
 def matrices(network: Networks) -> Iterator[tuple[Floats, Floats]]:
