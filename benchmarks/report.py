@@ -14,6 +14,7 @@ from benchmarks.page import page
 from benchmarks.plot import plot
 from benchmarks.scaling import replace_generated, scaling
 from benchmarks.table import Table
+from neol.files import write_atomically
 from neol.provenance import provenance
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -34,10 +35,9 @@ def machine() -> dict[str, str]:
 
 def write(folder: Path, table: pd.DataFrame, about: Mapping[str, str]) -> None:
     """Write benchmarks.csv, which begins with what it was measured on, and what is made of it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "benchmarks.csv").open("w", encoding="utf-8") as file:
-        file.writelines(f"# {name}: {text}\n" for name, text in about.items())
-        table.to_csv(file, index=False, float_format="%.6g")
+    lines = [f"# {name}: {text}\n" for name, text in about.items()]
+    content = "".join(lines) + table.to_csv(index=False, float_format="%.6g")
+    write_atomically(folder / "benchmarks.csv", content.encode())
     render(folder)
 
 
@@ -47,12 +47,12 @@ def render(folder: Path) -> None:
     lines = path.read_text(encoding="utf-8").splitlines()
     about = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# "))
     table = Table(pd.read_csv(path, comment="#", keep_default_na=False))
-    (folder / "benchmarks.md").write_text(page(table, about), encoding="utf-8")
+    write_atomically(folder / "benchmarks.md", page(table, about).encode())
     plot(table, folder / "benchmarks.png")
     text = folder / "scaling.md"
     if text.exists():
         generated = replace_generated(text.read_text(encoding="utf-8"), scaling(table, about))
-        text.write_text(generated, encoding="utf-8")
+        write_atomically(text, generated.encode())
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ from neol.constants import (
     Task,
 )
 from neol.errors import UserError
+from neol.files import write_atomically
 from neol.model import MethodName, Model, Population, PositiveInt, Seed, Text
 from neol.overlay import Overlay
 from neol.rules import RULES
@@ -266,4 +267,5 @@ def _sha256(content: Any) -> str:
 
 
 if __name__ == "__main__":
-    (CONFIG / "schema.json").write_text(json.dumps(schema(), indent=2) + "\n", encoding="utf-8")
+    text = json.dumps(schema(), indent=2) + "\n"
+    write_atomically(CONFIG / "schema.json", text.encode())
