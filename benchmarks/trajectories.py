@@ -146,7 +146,7 @@ def record(
     rollouts = engine.evaluate(networks, seeds, plasticity)
     assert not rollouts.failed.any()
     rows = int(rollouts.steps.sum()) + len(seeds)
-    simulation = engine._make_simulation()
+    simulation = engine.make_simulation()
     log = Recorder(
         world=simulation.world,
         row=np.zeros(1, dtype=np.int64),
@@ -168,7 +168,7 @@ def seconds_of_physics(recording: Recording) -> float:
     b2World::Step and, for the walker, casts its ten rays. Hopper: four mj_step a step.
     CartPole's physics is a handful of additions inside our kernel: there is nothing to step.
     """
-    simulation = recording.engine._make_simulation()
+    simulation = recording.engine.make_simulation()
     world = simulation.world
     random = np.empty(4, dtype=np.uint64)
     observation = np.empty(recording.networks.inputs)
@@ -185,7 +185,7 @@ def seconds_of_physics(recording: Recording) -> float:
 
 def seconds_of_resets(recording: Recording) -> float:
     """CPU seconds of our engine's resets: each from its seed to the first observation."""
-    simulation = recording.engine._make_simulation()
+    simulation = recording.engine.make_simulation()
     start = time.process_time()
     _reset_all(simulation.world, recording.seeds, np.empty(recording.networks.inputs))
     return time.process_time() - start

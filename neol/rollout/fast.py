@@ -33,7 +33,8 @@ class FastEngine:
     def __init__(
         self, make_simulation: Callable[[], Simulation], max_steps: int, workers: int = 1
     ) -> None:
-        self._make_simulation = make_simulation
+        self.make_simulation = make_simulation
+        """For a simulation more, like those that play here."""
         self._max_steps = max_steps
         self._workers = workers
         self._executor = ThreadPoolExecutor(workers)  # starts its threads when it needs them
@@ -88,7 +89,7 @@ class FastEngine:
     def _play(self, batch: Batch, calls: Iterator[tuple[int, int]]) -> None:
         """Play in this thread; whoever is free takes the next of the calls that all share."""
         if not hasattr(self._of_thread, "simulation"):
-            self._of_thread.simulation = self._make_simulation()
+            self._of_thread.simulation = self.make_simulation()
         for begin, end in calls:
             self._of_thread.simulation.world.play(batch, begin, end)
 
