@@ -2,15 +2,8 @@
 
 from collections.abc import Mapping
 
-from benchmarks.table import (
-    PARTS,
-    RULES,
-    TITLES,
-    Table,
-    markdown,
-    number,
-    percent,
-)
+from benchmarks.measure import RULES
+from benchmarks.table import PARTS, TITLES, Table, markdown, number, percent
 from benchmarks.targets import targets
 from neol.cost import NEAT_POPULATION
 

@@ -19,7 +19,7 @@ import numpy as np
 from neol.constants import Plasticity
 from neol.errors import UserError
 from neol.seeding import episode_seeds
-from neol.spec import RunSpec, load_configuration
+from neol.spec import RunSpec
 
 try:
     import neat
@@ -39,28 +39,8 @@ class PeerRun(NamedTuple):
     best_fitness: float
 
 
-def run_peer(
-    task: str,
-    method: str,
-    population: int,
-    generations: int,
-    seed: int,
-    learning_rate: float | None = None,
-) -> PeerRun:
-    """One run with the project's constants, as far as neat-python has them."""
-    spec = load_configuration("paper").run_spec(
-        task=task,
-        method=method,
-        population=population,
-        learning_rate=learning_rate,
-        generations=generations,
-        seed=seed,
-    )
-    return run_spec(spec)
-
-
 def run_spec(spec: RunSpec) -> PeerRun:
-    """The run of a specification."""
+    """The run of a specification, as far as neat-python has its constants."""
     start = time.process_time()
     environment = gymnasium.make(
         spec.task.environment, max_episode_steps=spec.task.max_steps, disable_env_checker=True

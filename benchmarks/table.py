@@ -6,12 +6,13 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from benchmarks.measure import RULES
 from neol.cost import NEAT_POPULATION
 
 Key = tuple[str, str, str]
 """Quantity, task, networks; empty where it is of no particular task or networks."""
 Array = npt.NDArray[np.float64]
-Values = Mapping[Key, list[float]]
+Rounds = Mapping[Key, list[float]]
 """What was measured: one value for each round."""
 Get = Callable[..., Array]
 
@@ -22,10 +23,9 @@ TITLES = {
     "bipedal_walker": "BipedalWalker",
 }
 PARTS = ("network", "plasticity", "physics", "environment", "neat", "other")
-RULES = ("hebb", "oja", "bcm")
 
 
-def summarise(values: Values) -> pd.DataFrame:
+def summarise(values: Rounds) -> pd.DataFrame:
     """Median, least and greatest over the rounds of everything measured and derived."""
     everything: dict[Key, Sequence[float] | Array] = {**values, **_derived(values)}
     rows = [
@@ -43,7 +43,7 @@ def summarise(values: Values) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _derived(values: Values) -> dict[Key, Array]:
+def _derived(values: Rounds) -> dict[Key, Array]:
     """Ratios and shares, each within a round."""
     derived: dict[Key, Array] = {}
     for task in dict.fromkeys(task for _, task, _ in values):
