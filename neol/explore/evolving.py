@@ -1,5 +1,6 @@
 """Small runs that evolve while one looks on."""
 
+import contextlib
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from neol.analysis.labels import drawn, method_label, task_label
 from neol.analysis.style import GREY, WIDTH, drawing, styles
 from neol.evolution import Evolution, Generation
+from neol.record import HeldOut
 from neol.rollout import make_engine
 from neol.rollout.reference import network_size
 from neol.spec import RunSpec, load_configuration
@@ -72,18 +74,19 @@ class Evolutions:
         label = f"{method_label(spec.method)} P={spec.population} seed {spec.seed}"
         if spec.plasticity.learns:
             label += f" η={spec.plasticity.learning_rate:g} β={spec.plasticity.reward_scale:g}"
-        engine, begun, latest = make_engine(spec.task), time.monotonic(), -float("inf")
+        begun, latest = time.monotonic(), -float("inf")
         evolution = Evolution.begin(spec, *network_size(spec.task))
-        for _ in evolution.run(engine):
-            now = time.monotonic()
-            if now - begun >= LONGEST_SECONDS:
-                break
-            if now - latest >= PICTURE_SECONDS:
-                yield self._draw(spec, label, evolution.history)
-                latest = time.monotonic()
-        returns = evolution.held_out_returns(engine)
-        engine.close()
-        remark = f", champion in {len(returns)} fresh episodes: {drawn(f'{returns.mean():.1f}')}"
+        with contextlib.closing(make_engine(spec.task)) as engine:
+            for _ in evolution.run(engine):
+                now = time.monotonic()
+                if now - begun >= LONGEST_SECONDS:
+                    break
+                if now - latest >= PICTURE_SECONDS:
+                    yield self._draw(spec, label, evolution.history)
+                    latest = time.monotonic()
+            held_out = HeldOut.of(evolution.held_out_returns(engine))
+        mean = "failed" if held_out.mean is None else drawn(f"{held_out.mean:.1f}")
+        remark = f", champion in {len(held_out.returns)} fresh episodes: {mean}"
         if len(evolution.history) < spec.generations:
             remark += f"\nstopped after {LONGEST_SECONDS:g} s"
         yield self._draw(spec, label, evolution.history, remark)

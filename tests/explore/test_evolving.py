@@ -1,11 +1,16 @@
 """Small runs, drawn while they evolve."""
 
+from collections.abc import Generator
+
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from neol.errors import UserError
+from neol.evolution import Evolution
 from neol.explore import evolving
 from neol.explore.evolving import Evolutions
+from neol.rollout.fast import FastEngine
 from tests.runs import evolve
 
 SMALL = {"task": "cartpole", "population": 4, "generations": 3, "seed": 1, "eta": 0.25, "beta": 0.5}
@@ -56,6 +61,27 @@ def test_a_run_that_takes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch) -
     assert list(axis.get_lines()[0].get_xdata()) == [1]
     assert axis.get_title().endswith("\nstopped after 0 s")
     assert axis.get_xlim() == (1, 3)
+
+
+@pytest.mark.parametrize(
+    ("returns", "told"), [([10.0, np.nan, 20.0], "3 fresh episodes: 15.0"), ([np.nan], ": failed")]
+)
+def test_a_failed_episode_has_no_return(
+    returns: list[float], told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Evolution, "held_out_returns", lambda *_: np.array(returns))
+    *_, last = Evolutions()(method="oja", **SMALL)  # type: ignore[arg-type]
+    assert last.axes[0].get_title().endswith(told)
+
+
+def test_an_engine_is_closed_where_nobody_looks_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    closed: list[FastEngine] = []
+    monkeypatch.setattr(FastEngine, "close", lambda engine: closed.append(engine))
+    pictures = Evolutions()(method="oja", **SMALL)  # type: ignore[arg-type]
+    next(pictures)
+    assert isinstance(pictures, Generator)
+    pictures.close()
+    assert len(closed) == 1
 
 
 def test_what_no_run_can_be_is_refused() -> None:
