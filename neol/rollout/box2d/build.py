@@ -8,6 +8,7 @@ fails it says so in one line and exits with 0: the reference engine serves.
 import contextlib
 import ctypes
 import hashlib
+import io
 import os
 import re
 import shlex
@@ -22,7 +23,8 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 
-from neol.files import cache_folder
+from neol.errors import UserError
+from neol.files import cache_folder, write_atomically
 from neol.pcg64 import seed_pcg64
 from neol.rollout.box2d.library import FLAGS, FOLDER, LIBRARY, LOCK, TASKS, load, stamp
 
@@ -56,17 +58,16 @@ def fetch_source(folder: Path) -> Path:
     """Unpack Box2D's source into a folder. Its archive is kept in the user's cache."""
     expected = re.findall(r"--hash=sha256:(\w+)", LOCK.read_text())[0]
     archive = cache_folder() / f"box2d-{expected[:16]}.tar.gz"
-    if not (archive.exists() and hashlib.sha256(archive.read_bytes()).hexdigest() == expected):
+    content = archive.read_bytes() if archive.exists() else b""
+    if hashlib.sha256(content).hexdigest() != expected:
         download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps"]
         download += ["--no-binary", ":all:", "--require-hashes", "--requirement", str(LOCK)]
         _run([*download, "--dest", str(folder)], "pip could not fetch Box2D's source")
         (downloaded,) = folder.glob("*.tar.gz")
-        with contextlib.suppress(OSError):
-            archive.parent.mkdir(parents=True, exist_ok=True)
-            copy = shutil.copy(downloaded, archive.with_suffix(f".{os.getpid()}"))
-            Path(copy).replace(archive)
-        archive = downloaded
-    with tarfile.open(archive) as tar:
+        content = downloaded.read_bytes()
+        with contextlib.suppress(UserError):  # a cache that cannot be written
+            write_atomically(archive, content)
+    with tarfile.open(fileobj=io.BytesIO(content)) as tar:
         tar.extractall(folder, filter="data")
     (source,) = folder.glob("*/Box2D/Box2D.h")
     return source.parent.parent
