@@ -24,7 +24,7 @@ from tests.analysis.made_up import configuration, write_campaign
 GROUP: Any = typer.main.get_command(app)
 NAMES = GROUP.list_commands(None)
 SHARED = {
-    "--budget": "Whose constants hold",
+    "--budget": "Take constants from this budget",
     "--output": "",
     "--quiet": "Say nothing but errors.",
     "--seed": "",

@@ -22,7 +22,7 @@ EXIT_CODES = {
     2: "something to mend: input, disk, environment",
     3: "a check or a replay does not agree",
     130: "interrupted",
-    141: "nobody read on",
+    141: "the reader of the output went away",
     143: "terminated",
 }
 DISAGREES = 3
@@ -118,7 +118,7 @@ def neol(
     context: typer.Context,
     version: Annotated[  # noqa: ARG001
         bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Say which it is."),
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version."),
     ] = False,
 ) -> None:
     """NEOL: NEAT with reward-gated online plasticity, reproduced from seeded runs."""
@@ -140,7 +140,7 @@ def _budgets(incomplete: str) -> list[str]:
 Budget = Annotated[
     str | None,
     typer.Option(
-        help="Whose constants hold: a file of config/, like desk; without it paper.",
+        help="Take constants from this budget, a file of config/ such as desk; default: paper.",
         autocompletion=_budgets,
     ),
 ]

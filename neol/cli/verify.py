@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 @app.command(epilog=examples("neol manifest results/demo"))
 def manifest(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of one budget's records.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="The folder of one budget's records.")
+    ],
 ) -> None:
     """Write FOLDER/manifest.json anew: the records below it, their digests, what made them."""
     from neol.verification.manifest import NAME, write_manifest
@@ -38,13 +40,19 @@ def verify(
     ],
     replay: Annotated[int, typer.Option(min=0, help="Runs to repeat, drawn at random.")] = 0,
     generations: Annotated[
-        int, typer.Option(min=1, help="Generations to repeat of each; with the last, all of it.")
+        int,
+        typer.Option(
+            min=1,
+            help="Generations to repeat of each run; if that reaches its last, also digest and "
+            "champion.",
+        ),
     ] = 3,
     replay_champions: Annotated[
         int, typer.Option(min=0, help="Champions to repeat the held-out episodes of.")
     ] = 0,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="Of the draw; without it, a new one is printed.")
+        int | None,
+        typer.Option(min=0, help="Seed of the draw; without it one is chosen and printed."),
     ] = None,
 ) -> None:
     """Check records: schema, digests, rows, place, manifest; and repeat runs of them."""
