@@ -26,6 +26,9 @@ Values are medians over the rounds, ratios are taken within a round; `benchmarks
 ranges. Times of one core are CPU time of the process; two workers against one is wall time.
 
 ![Microseconds per environment step, and where a run's time goes](benchmarks.png)
+
+In the bars on the right, shares below zero are left out and what exceeds 100% is cut;
+[the table](#where-a-runs-time-goes) has the values.
 """
 
 

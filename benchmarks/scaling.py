@@ -98,7 +98,7 @@ def _measured(table: Table) -> str:
     rows = [
         [
             TITLES[task],
-            number(table.get("short_run_generations", task)),
+            f"{table.get('short_run_generations', task) or 0:.0f}",
             *(
                 number(table.get(name, task, method))
                 for name in names
