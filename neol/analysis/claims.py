@@ -8,13 +8,16 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
   one part suffices to contradict a claim, these use 0.05 divided by the number of parts. Where the
   runs themselves pick the highest of several cells, 0.05 is also divided by how many there are: to
   support, of those that should lead; to contradict, of their rivals.
+- that a mean is higher in most cells: by the cells that surely lead, and those that surely trail,
+  each by Welch's interval at a level divided by their number.
 - a mean against a task's maximum: as no run can be above it, one run below it shows that the mean
-  is below it too.
+  is below it too. That it reaches the maximum, or that there is no significant difference (by the
+  two-sided test), no fewer seeds than the paper's 30 bear out.
 - undecided otherwise, and where a cell is not in the budget, lacks seeds (or one does that it was
-  chosen among), or has fewer than 5. A claim of no significant difference is about the two-sided
-  test, and no fewer seeds than the paper's 30 bear it out. Fewer generations than the paper's 500
-  contradict no level that more could still reach; comparisons they do, at this budget. But tasks
-  of different numbers of generations are not compared with each other.
+  chosen among), or has fewer than 5. Fewer generations than the paper's 500 decide nothing that
+  more could overturn: that a level is not reached, or that larger populations do not pay at equal
+  cost; other comparisons they do, at this budget. But tasks of different numbers of generations are
+  not compared with each other.
 
 Claims overlap: several rest on the same runs and comparisons, so their numbers are no count of
 independent findings.
@@ -34,17 +37,8 @@ from pydantic import Field, ValidationError
 from neol.analysis.evidence import Compare, Gain, Part, Rank, Significant
 from neol.analysis.grid_evidence import Level, Peak, Sensitivity, Share, Trend
 from neol.analysis.outcomes import EQUAL, Outcomes
-from neol.analysis.reference import SEEDS as PAPER_SEEDS
 from neol.analysis.score import PAPER_GENERATIONS
-from neol.analysis.statistics import (
-    ALPHA,
-    RESAMPLES,
-    bootstrap,
-    interval,
-    rank_sum,
-    seeds_for,
-    seeds_needed,
-)
+from neol.analysis.statistics import ALPHA
 from neol.errors import UserError
 from neol.model import Model
 from neol.plain_yaml import read_yaml
@@ -102,10 +96,7 @@ class Finding:
     seeds: int = 0
     """Of the cell that has the fewest."""
     needed: float = math.nan
-    """Seeds with which an effect of this size would be found 4 times of 5; NaN where it is unknown.
-
-    For a claim of significance as `seeds_needed` has it, for no significance there is none.
-    """
+    """Seeds with which an effect of this size decides the part 4 times of 5; NaN where unknown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,12 +140,13 @@ def load_claims(path: Path = CLAIMS) -> tuple[Claim, ...]:
 
 
 def decide(claim: Claim, outcomes: Outcomes, *, seed: int = 0) -> Decision:
-    """Decide a claim; `seed` is the bootstrap's. Other claims do not matter to it."""
+    """Decide a claim; `seed` is the bootstrap's. The same part of another claim comes out alike."""
     parts = [part for test in claim.tests for part in test.parts(outcomes)]
     alpha = ALPHA / len(parts)
     findings = []
-    for number, part in enumerate(parts):
-        random = np.random.default_rng([seed, zlib.crc32(claim.id.encode()), number])
+    for part in parts:
+        name = f"{part.label}, {part.unit}".encode()
+        random = np.random.default_rng([seed, zlib.crc32(name)])
         findings.append(_find(part, outcomes, random, alpha))
     return Decision(claim, tuple(findings))
 
@@ -166,46 +158,36 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         return Finding(part, "undecided", SEEDS_MISSING if missing else NOT_IN_BUDGET)
     samples = [outcomes.values(cell, part.metric) for cell in cells]
     seeds = min(map(len, samples))
-    generations = {outcomes.budget.generations_of(cell.task) for cell in cells}
     if any(np.isnan(outcomes.values(each, part.metric)).any() for each in (*cells, *part.among)):
         reason = NO_COMMON_RANGE if part.metric in EQUAL else "a run has no value"
         return Finding(part, "undecided", reason, seeds=seeds)
     if seeds < 2:
         return Finding(part, "undecided", f"{seeds} seeds", seeds=seeds)
-    effect = float(part.effect(*samples))
-    replicates = bootstrap(part.effect, samples, random, RESAMPLES)
-    low, high = (float(bound) for bound in interval(replicates, seeds))
-    needed = math.nan
-    p = math.nan
-    if part.rule == "interval":
-        needed = seeds_for(effect, float(replicates.std(ddof=1)), seeds)
-        leaders, rivals = part.picked
-        lowest = float(interval(replicates, seeds, 1 - ALPHA / leaders)[0])
-        highest = float(interval(replicates, seeds, 1 - alpha / rivals)[1])
-        right = lowest >= 0 if part.at_least else lowest > 0
-        wrong = highest < 0 if part.at_least else highest <= 0
-    elif part.rule == "one run":
-        right = effect >= 0 if part.at_least else effect > 0
-        wrong = not right
-    elif part.rule == "significance":
-        needed = seeds_needed(effect + 0.5)
-        p = rank_sum(*samples)
-        right, wrong = p < ALPHA, rank_sum(*reversed(samples)) < alpha
-    else:
-        p = min(1.0, 2 * min(rank_sum(*samples), rank_sum(*reversed(samples))))
-        right, wrong = p >= ALPHA and seeds >= PAPER_SEEDS, p < alpha
-    verdict: Verdict = "supported" if right else "contradicted" if wrong else "undecided"
+    judged = part.rule(samples, random, alpha)
+    verdict: Verdict = (
+        "supported" if judged.right else "contradicted" if judged.wrong else "undecided"
+    )
+    generations = {outcomes.budget.generations_of(cell.task) for cell in cells}
     reason = ""
     if missing:
-        verdict, reason = "undecided", SEEDS_MISSING
+        reason = SEEDS_MISSING
     elif seeds < LEAST_SEEDS:
-        verdict, reason = "undecided", TOO_FEW
+        reason = TOO_FEW
     elif len(generations) > 1:
-        verdict, reason = "undecided", UNEQUAL_TASKS
-    elif wrong and part.grows and min(generations) < PAPER_GENERATIONS:
-        verdict, reason = "undecided", TOO_SHORT
-    needed = float(np.maximum(needed, LEAST_SEEDS))
-    return Finding(part, verdict, reason, effect, low, high, p, seeds, needed)
+        reason = UNEQUAL_TASKS
+    elif verdict == part.provisional and min(generations) < PAPER_GENERATIONS:
+        reason = TOO_SHORT
+    return Finding(
+        part,
+        "undecided" if reason else verdict,
+        reason,
+        judged.effect,
+        judged.low,
+        judged.high,
+        judged.p,
+        seeds,
+        float(np.maximum(judged.needed, LEAST_SEEDS)),
+    )
 
 
 def _first(error: ValidationError) -> str:

@@ -13,8 +13,9 @@ import numpy as np
 from pydantic import Field
 
 from neol.analysis import statistics
+from neol.analysis.judgement import Rule, by_interval, by_rank_sum
 from neol.analysis.outcomes import METRICS, Outcomes
-from neol.analysis.statistics import Effect, Floats, superiority
+from neol.analysis.statistics import Effect, Floats
 from neol.campaign import Cell
 from neol.model import Model
 
@@ -41,19 +42,12 @@ class Part:
     cells: tuple[Cell | None, ...]
     """Whose runs it is made of; None for one that the budget does not have."""
     metric: Metric
-    effect: Effect
-    """Of the cells' values, in their order; greater than 0 if the claim is right."""
+    rule: Rule
+    """What decides it, given the cells' values in their order."""
     among: tuple[Cell, ...] = ()
     """What the cells were chosen among: a seed that is missing there could change the choice."""
-    picked: tuple[int, int] = (1, 1)
-    """Out of how many cells the runs themselves picked the one that should lead, and its rival."""
-    at_least: bool = False
-    """Whether an effect of exactly 0 bears the claim out as well."""
-    rule: Literal["interval", "one run", "significance", "no significance"] = "interval"
-    """What decides: the effect's interval; the effect itself, where one run below a maximum is
-    enough; the rank-sum test's p-value, one- or two-sided."""
-    grows: bool = False
-    """Whether more generations could bring it about: fewer than the paper's contradict nothing."""
+    provisional: Literal["supported", "contradicted"] | None = None
+    """The verdict that more generations could overturn: fewer than the paper's do not give it."""
 
 
 class Pairing(Model):
@@ -82,7 +76,7 @@ class Compare(Pairing):
             unit = f"share of runs, {unit}" if outliers else unit
             cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             label = f"{task}: {self.statistic} of {method} {self.direction} than {self.against}"
-            yield Part(label, unit, cells, self.metric, effect, among)
+            yield Part(label, unit, cells, self.metric, by_interval(effect), among)
 
 
 class Significant(Pairing):
@@ -92,7 +86,6 @@ class Significant(Pairing):
 
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
         """One for each task and method."""
-        negated = self.kind == "not_significant"
         for task, method in product(self.tasks, self.methods):
             cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             yield Part(
@@ -100,9 +93,8 @@ class Significant(Pairing):
                 unit=f"A12 - 0.5, {outcomes.unit(self.metric, task)}",
                 cells=cells,
                 metric=self.metric,
-                effect=lambda sample, against: superiority(sample, against) - 0.5,
+                rule=by_rank_sum(differs=self.kind == "significant"),
                 among=among,
-                rule="no significance" if negated else "significance",
             )
 
 
@@ -129,9 +121,8 @@ class Rank(Model):
             cells, among = chosen(outcomes, self.setting, task, (self.method, *others))
             label = f"{task}: {self.method} among the best {self.at_most}"
             # Who shares the first place is second at least, but does not lead.
-            tie = self.at_most > 1
-            unit = outcomes.unit(self.metric, task)
-            yield Part(label, unit, cells, self.metric, lead, among, at_least=tie)
+            rule = by_interval(lead, at_least=self.at_most > 1)
+            yield Part(label, outcomes.unit(self.metric, task), cells, self.metric, rule, among)
 
 
 class Gain(Model):
@@ -169,7 +160,7 @@ class Gain(Model):
             tasks, others = ", ".join(self.tasks), ", ".join(self.than_tasks)
             label = f"{method}: gain on {tasks} over that on {others}"
             unit = f"relative gain, {METRICS[self.metric]}"
-            yield Part(label, unit, cells, self.metric, difference, among)
+            yield Part(label, unit, cells, self.metric, by_interval(difference), among)
 
 
 def chosen(

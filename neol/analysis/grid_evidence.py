@@ -8,7 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from neol.analysis.evidence import Methods, Metric, Part, Setting, chosen, signed
-from neol.analysis.outcomes import Outcomes
+from neol.analysis.judgement import by_interval, by_one_run, by_share
+from neol.analysis.outcomes import EQUAL, Outcomes
 from neol.analysis.statistics import Floats, mean_difference, superiority
 from neol.campaign import Cell
 from neol.model import Model
@@ -48,10 +49,10 @@ class Level(Model):
 
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
         """One for each cell."""
-        reach = self.bound == "at_least"
+        reaches = self.bound == "at_least"
 
         def distance(sample: Floats) -> Floats:
-            return np.asarray((sample.mean(axis=-1) - self.level) * (1 if reach else -1))
+            return np.asarray((sample.mean(axis=-1) - self.level) * (1 if reaches else -1))
 
         for task, method in product(self.tasks, self.methods):
             cells: Sequence[Cell | None]
@@ -66,11 +67,11 @@ class Level(Model):
                     unit=outcomes.unit(self.metric, task),
                     cells=(cell,),
                     metric=self.metric,
-                    effect=distance,
+                    rule=by_one_run(distance, reaches=reaches)
+                    if self.maximum
+                    else by_interval(distance, at_least=reaches),
                     among=among,
-                    at_least=reach,
-                    rule="one run" if self.maximum else "interval",
-                    grows=reach,
+                    provisional="contradicted" if reaches else "supported",
                 )
 
 
@@ -88,12 +89,6 @@ class Share(Model):
     def parts(self, outcomes: Outcomes) -> Iterator[Part]:
         """One for each task and method; cells of one population (and rate) are compared."""
 
-        def share(*samples: Floats) -> Floats:
-            pairs = zip(samples[::2], samples[1::2], strict=True)
-            leads = [sample.mean(axis=-1) - against.mean(axis=-1) for sample, against in pairs]
-            won = np.asarray(leads) > 0 if self.direction == "higher" else np.asarray(leads) < 0
-            return np.asarray(won.mean(axis=0) - self.more_than)
-
         for task, method in product(self.tasks, self.methods):
             there = {
                 (cell.population, cell.learning_rate): cell
@@ -102,13 +97,15 @@ class Share(Model):
             cells: list[Cell | None] = []
             for cell in outcomes.grid(task, [method]):
                 same_rate = there.get((cell.population, cell.learning_rate))
-                cells += [cell, same_rate or there.get((cell.population, None))]
+                pair = [cell, same_rate or there.get((cell.population, None))]
+                cells += pair if self.direction == "higher" else reversed(pair)
             label = (
                 f"{task}: {method} {self.direction} than {self.against} "
                 f"in more than {self.more_than:.0%} of its cells"
             )
             unit = f"share of cells above {self.more_than:.0%}, {outcomes.unit(self.metric, task)}"
-            yield Part(label, unit, tuple(cells) or (None,), self.metric, share)
+            found = tuple(cells) or (None,)
+            yield Part(label, unit, found, self.metric, by_share(self.more_than))
 
 
 class Trend(Model):
@@ -142,7 +139,16 @@ class Trend(Model):
             found = tuple(cells) if pairs else (None,)
             effect = signed(trend, "higher" if self.direction == "up" else "lower")
             unit = f"A12 - 0.5, {outcomes.unit(self.metric, task)}"
-            yield Part(label, unit, found, self.metric, effect)
+            early = self.along == "population" and self.metric in EQUAL
+            yield Part(
+                label,
+                unit,
+                found,
+                self.metric,
+                by_interval(effect),
+                # What large populations have spent first is not yet much for them.
+                provisional="contradicted" if early else None,
+            )
 
     def _in_line(self, cells: Sequence[Cell], pair: tuple[int, int]) -> bool:
         first, second = (cells[index] for index in pair)
@@ -190,9 +196,8 @@ class Peak(Model):
                 unit=outcomes.unit(self.metric, task),
                 cells=tuple(pair) or (None,),
                 metric=self.metric,
-                effect=lead,
+                rule=by_interval(lead, picked=(len(inside), len(outside))),
                 among=(*inside, *outside) if found else (),
-                picked=(len(inside), len(outside)),
             )
 
 
@@ -225,7 +230,7 @@ class Sensitivity(Model):
             label = f"{task}: {self.method} depends on the learning rate more than {other}"
             found = cells if several else (None,)
             unit = outcomes.unit(self.metric, task)
-            yield Part(label, unit, found, self.metric, difference)
+            yield Part(label, unit, found, self.metric, by_interval(difference))
 
 
 def _named(

@@ -26,6 +26,7 @@ def as_table(decisions: Sequence[Decision]) -> pd.DataFrame:
                 "claim": decision.claim.id,
                 "place": decision.claim.place,
                 "verdict": decision.verdict,
+                "tasks": ",".join(sorted({cell.task for cell in finding.part.cells if cell})),
                 "part": finding.part.label,
                 "part_verdict": finding.verdict,
                 "decisive": finding is decision.decisive,

@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 Effect = Callable[..., Floats]
 """Of samples with seeds along the last axis: float64[..., n_1], float64[..., n_2], ... -> [...]."""
 
-RESAMPLES = 2000
+RESAMPLES = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,6 +201,30 @@ def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats
     return mean - half, mean + half
 
 
+def mean_difference_error(sample: Floats, against: Floats) -> float:
+    """Standard error of the difference of two means, whose variances may differ."""
+    squares = [each.var(ddof=1) / len(each) for each in (sample, against)]
+    return math.sqrt(sum(squares))
+
+
+def mean_difference_interval(
+    sample: Floats, against: Floats, confidence: float
+) -> tuple[float, float]:
+    """Welch's interval of the difference of two means (Welch 1947); a point without any spread."""
+    difference, error = (
+        float(mean_difference(sample, against)),
+        mean_difference_error(sample, against),
+    )
+    if error == 0:
+        return difference, difference
+    shares = [each.var(ddof=1) / len(each) / error**2 for each in (sample, against)]
+    degrees = 1 / sum(
+        share**2 / (len(each) - 1) for share, each in zip(shares, (sample, against), strict=True)
+    )
+    half = float(stats.t.ppf((1 + confidence) / 2, degrees)) * error
+    return difference - half, difference + half
+
+
 # --- Power --------------------------------------------------------------------------------------
 
 
@@ -218,10 +242,10 @@ def seeds_needed(superiority: float, *, alpha: float = ALPHA, power: float = 0.8
     return float(math.ceil(z**2 / (6 * (superiority - 0.5) ** 2)))
 
 
-def seeds_for(effect: float, error: float, seeds: int, power: float = 0.8) -> float:
-    """Seeds with which a 95% interval excludes 0 this often, for an effect of any kind.
+def seeds_for(effect: float, error: float, seeds: int, alpha: float, power: float = 0.8) -> float:
+    """Seeds with which an interval of 1 - alpha excludes 0 this often, for an effect of any kind.
 
-    From its bootstrap standard error at so many seeds, which shrinks with their square root:
+    From its standard error at so many seeds, which shrinks with their square root:
     n ((z_alpha/2 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect, NaN
     without an error to go by.
     """
@@ -229,7 +253,7 @@ def seeds_for(effect: float, error: float, seeds: int, power: float = 0.8) -> fl
         return math.inf
     if error == 0:
         return math.nan
-    z = stats.norm.isf(ALPHA / 2) + stats.norm.isf(1 - power)
+    z = stats.norm.isf(alpha / 2) + stats.norm.isf(1 - power)
     return float(max(2, math.ceil(seeds * (z * error / effect) ** 2)))
 
 

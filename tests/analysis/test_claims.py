@@ -111,8 +111,8 @@ class TestLedger:
         other = claim(**HIGHER).model_copy(update={"id": "other"})
         for order in ((claim(**HIGHER), other), (other, claim(**HIGHER))):
             found = {each.id: decide(each, data).findings[0] for each in order}
-            assert (found["made-up"].low, found["made-up"].high) == (first.low, first.high)
-            assert found["other"].low != first.low  # a bootstrap of its own
+            for finding in found.values():
+                assert (finding.low, finding.high) == (first.low, first.high)
 
     def test_what_is_wrong_in_the_file_is_said_in_one_line(self, tmp_path: Path) -> None:
         path = tmp_path / "claims.yaml"

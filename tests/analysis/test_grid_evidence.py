@@ -47,10 +47,18 @@ class TestLevel:
         test = self.TEST | {"maximum": True}
         assert verdict(low, **self.TEST) == "undecided"
         assert verdict(low, **test) == "contradicted"
-        assert verdict(self.GRID, **test) == "supported"
-        there = {"populations": ["smallest"], "learning_rates": ["largest"]}
-        assert verdict(low, **(test | {"bound": "below"}), where=there) == "supported"
-        assert decision(low, **test, generations=100).verdict == "undecided"
+        below = test | {"where": {"populations": ["smallest"], "learning_rates": ["largest"]}}
+        below |= {"bound": "below"}
+        assert verdict(low, **below) == "supported"
+        for each in (test, below):
+            assert verdict(low, **each, generations=100) == "undecided"
+
+    def test_the_maximum_is_reached_by_as_many_seeds_as_the_papers(self) -> None:
+        test = self.TEST | {"maximum": True}
+        assert verdict(self.GRID, **test) == "undecided"
+        more = {each: [500.0] * 30 for each in self.GRID}
+        assert verdict(more, **test, seeds=30) == "supported"
+        assert verdict(more, **(test | {"bound": "below"}), seeds=30) == "contradicted"
 
     def test_a_place_that_the_grid_lacks(self) -> None:
         for where in ({"populations": [300]}, {"populations": [6, 300]}, {"learning_rates": [0.3]}):
@@ -79,6 +87,26 @@ class TestShare:
         assert finding.verdict == "supported"
         assert verdict(self.VALUES, **self.TEST, more_than=0.9) == "contradicted"
 
+    def test_a_lead_that_all_cells_have_is_not_contradicted_by_noise(self) -> None:
+        """Some trail by chance, so fewer than nine of ten lead; but none trails surely."""
+        random = np.random.default_rng(0)
+        values = {
+            cell("bcm", p, rate / 10): random.normal(0.1, 1, 20).tolist()
+            for p in (6, 12)
+            for rate in range(1, 9)
+        } | {cell("neat", p): random.normal(0, 1, 20).tolist() for p in (6, 12)}
+        (finding,) = decision(values, **self.TEST, more_than=0.9, seeds=20).findings
+        assert finding.effect < 0
+        assert finding.verdict == "undecided"
+        assert finding.high == pytest.approx(0.1)
+
+    def test_its_interval_counts_the_cells_that_surely_lead_or_trail(self) -> None:
+        values = self.VALUES | {cell("bcm", 12, 0.2): around(35.1)}
+        (finding,) = decision(values, **self.TEST, more_than=0.2).findings
+        assert (finding.effect, finding.low, finding.high) == pytest.approx((0.55, 0.3, 0.55))
+        assert finding.verdict == "supported"
+        assert finding.needed == 5
+
     def test_rates_meet_rates(self) -> None:
         oja = {cell("oja", p, rate): around(25) for p in (6, 12) for rate in (0.1, 0.2)}
         test = self.TEST | {"against": "oja", "direction": "lower", "more_than": 0.4}
@@ -97,6 +125,15 @@ class TestTrend:
         assert finding.effect == 0.5  # every run beats every run below it
         assert finding.verdict == "supported"
         assert verdict(self.VALUES, **test, direction="down") == "contradicted"
+
+    def test_at_equal_cost_more_generations_could_turn_it_round(self) -> None:
+        down = {cell("bcm", p): around(-10 * p) for p in (6, 12)}
+        test = {"kind": "trend", "along": "population", "direction": "up", "methods": ["bcm"]}
+        equal = test | {"metric": "equal_evaluations"}
+        assert verdict(down, **equal) == "contradicted"
+        (finding,) = decision(down, **equal, generations=100).findings
+        assert (finding.verdict, finding.reason) == ("undecided", "fewer than 500 generations")
+        assert verdict(down, **test, generations=100) == "contradicted"
 
     def test_the_other_axis_is_held_fixed(self) -> None:
         """The population decides everything, so the rate nothing."""

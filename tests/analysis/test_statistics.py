@@ -18,6 +18,7 @@ from neol.analysis.statistics import (
     iqr_difference,
     low_outliers,
     mean_difference,
+    mean_difference_interval,
     mean_interval,
     mean_superiority,
     median_difference,
@@ -197,6 +198,16 @@ class TestIntervals:
         assert (float(low), float(high)) == pytest.approx((expected.low, expected.high))
         assert np.isnan(mean_interval(values[:1])).all()
 
+    @given(SAMPLES, SAMPLES)
+    def test_welchs_interval_agrees_with_scipy(self, a: np.ndarray, b: np.ndarray) -> None:
+        a, b = np.append(a, a[0] + 1), np.append(b, b[0] + 1)  # not all equal, as scipy asks
+        theirs = stats.ttest_ind(a, b, equal_var=False).confidence_interval(0.9)
+        ours = mean_difference_interval(a, b, 0.9)
+        assert ours == pytest.approx((theirs.low, theirs.high))
+
+    def test_without_spread_an_interval_is_a_point(self) -> None:
+        assert mean_difference_interval(np.full(3, 5.0), np.full(4, 2.0), 0.9) == (3, 3)
+
 
 class TestPower:
     def test_by_hand(self) -> None:
@@ -211,9 +222,11 @@ class TestPower:
 
     def test_for_any_effect_by_hand(self) -> None:
         """A mean difference of half a standard deviation: error sqrt(2 / 10) at 10 seeds."""
-        assert seeds_for(0.5, math.sqrt(2 / 10), 10) == math.ceil(2 * (2.8016 / 0.5) ** 2)
-        assert seeds_for(0, 1, 10) == math.inf
-        assert math.isnan(seeds_for(3, 0, 10))
+        error = math.sqrt(2 / 10)
+        assert seeds_for(0.5, error, 10, 0.05) == math.ceil(2 * (2.8016 / 0.5) ** 2)
+        assert seeds_for(-0.5, error, 10, 0.01) == math.ceil(2 * (3.4175 / 0.5) ** 2)
+        assert seeds_for(0, 1, 10, 0.05) == math.inf
+        assert math.isnan(seeds_for(3, 0, 10, 0.05))
 
     @pytest.mark.slow
     def test_simulated_power_is_what_was_asked_for(self) -> None:
