@@ -25,25 +25,31 @@ def sensitivity(
     variant's ends higher, ties half, with the interval of a bootstrap over pairs. Runs that are the
     same give exactly 1/2. `difference` is the pairs' mean difference. A row for each variant, task
     and method, with its `seeds`, those of them `without_value` (a champion that failed in all fresh
-    episodes) and the `pairs` that remain; what is not there gives NaN. And the records.
+    episodes), the `pairs` that remain, and how many of the runs are the `same` as the baseline's in
+    each number of each generation: there the constant acted on nothing. What is not there gives
+    NaN. And the records.
     """
     random = np.random.default_rng(seed)
     samples: dict[tuple[str, str, str], pd.Series[float]] = {}
+    histories: dict[tuple[str, str, str], dict[int, pd.DataFrame]] = {}
     sources: list[Source] = []
     rows = []
     for name in variants():
         for trial in trials(configuration, name):
-            sample, source = _read(trial, results)
-            samples[name, trial.task, trial.method] = sample
+            place, baseline = ((each, trial.task, trial.method) for each in (name, BASELINE))
+            samples[place], histories[place], source = _read(trial, results)
             sources += source
-            pairs = sample - samples[BASELINE, trial.task, trial.method]  # aligned by seed
-            pairs = pairs.dropna()
+            sample = samples[place]
+            pairs = (sample - samples[baseline]).dropna()  # aligned by seed
+            same = sum(
+                seed in histories[baseline] and history.equals(histories[baseline][seed])
+                for seed, history in histories[place].items()
+            )
             a12 = estimate(_mean, [(np.sign(pairs.to_numpy()) + 1) / 2], random)
             values = a12.value, a12.low, a12.high
-            counts = len(sample), int(sample.isna().sum()), len(pairs)
-            place = name, trial.task, trial.method
+            counts = len(sample), int(sample.isna().sum()), len(pairs), same
             rows.append((*place, *counts, sample.mean(), *values, pairs.mean()))
-    counts_of = ["seeds", "without_value", "pairs"]
+    counts_of = ["seeds", "without_value", "pairs", "same"]
     effect = ["mean", "a12", "low", "high", "difference"]
     columns = ["variant", "task", "method", *counts_of, *effect]
     return pd.DataFrame(rows, columns=columns), tuple(sources)
@@ -61,12 +67,14 @@ def describe_trials(configuration: Configuration) -> str:
     )
 
 
-def _read(trial: Trial, results: Path) -> tuple["pd.Series[float]", list[Source]]:
-    """The held-out mean of a trial's champions by seed, and its record; none without one."""
+def _read(
+    trial: Trial, results: Path
+) -> tuple["pd.Series[float]", dict[int, pd.DataFrame], list[Source]]:
+    """By seed the held-out mean of a trial's champion, and its generations; and the record."""
     below = trial.record.relative_to(RESULTS)
     path = results / below
     if not path.exists():
-        return pd.Series(dtype=np.float64), []
+        return pd.Series(dtype=np.float64), {}, []
     record = read_record(path, trial.spec)
     if [info.seed for info in record.seeds] != list(trial.seeds):
         raise UserError(
@@ -74,7 +82,12 @@ def _read(trial: Trial, results: Path) -> tuple["pd.Series[float]", list[Source]
             "study; remove it and run anew"
         )
     held_out = {info.seed: info.held_out.mean for info in record.seeds}
-    return pd.Series(held_out, dtype=np.float64), [Source.of(record, results, below)]
+    frame = record.frame()
+    histories = {
+        info.seed: frame[frame["seed"] == info.seed].reset_index(drop=True) for info in record.seeds
+    }
+    sample = pd.Series(held_out, dtype=np.float64)
+    return sample, histories, [Source.of(record, results, below)]
 
 
 def _mean(sample: Floats) -> Floats:
