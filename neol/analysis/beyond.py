@@ -2,17 +2,19 @@
 
 Each function makes a table from a budget's outcomes; `beyond_figures` draws it. Seeds are the
 units. Cells are taken as independent samples of them, which they are not wholly: a seed gives all
-methods the same episodes, and NEAT and the rules the same first population of a size. As far as
+methods the same episodes and, as far as their sizes agree, the same first population. As far as
 that makes their runs alike, the intervals of a difference are too wide rather than too narrow.
 """
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from neol.analysis import reference
+from neol.analysis.evidence import Metric, Setting
 from neol.analysis.labels import challengers, shown_methods
 from neol.analysis.outcomes import EQUAL, Outcomes
 from neol.analysis.statistics import (
@@ -32,46 +34,70 @@ from neol.analysis.statistics import (
 )
 from neol.constants import Budget
 
-COMPARISONS = (
-    ("final fitness", "table3", "final_best", "neat", 5),
-    ("SCORE", "score", "score", "neat", 6),
-    ("ablation, final fitness", "table4", "final_best", "neat_wo", None),
-    ("ablation, SCORE", "score", "score", "neat_wo", None),
-)
-"""The declared family of tests: name, setting, metric, against whom, the paper's table of p-values.
+ABLATION = "neat_wo"
 
-Every rule on each task in each: three rules and four tasks make 48 tests.
-"""
+
+class Comparison(NamedTuple):
+    """Each rule, and NEAT (w/o) unless it is the other side, against a method on each task."""
+
+    name: str
+    setting: Setting
+    metric: Metric
+    against: str
+    declared: bool
+    """Whether its tests of rules are of the declared family, of which Holm's correction is."""
+    paper_table: int | None = None
+    """The paper's p-values of the same comparison."""
+
+    def methods(self, budget: Budget) -> tuple[str, ...]:
+        """Those that are compared."""
+        return challengers(budget) + (() if self.against == ABLATION else (ABLATION,))
+
+
+COMPARISONS = (
+    Comparison("final fitness", "table3", "final_best", "neat", True, 5),
+    Comparison("SCORE", "score", "score", "neat", True, 6),
+    Comparison("held-out return", "table3", "held_out", "neat", False),
+    Comparison("ablation, final fitness", "table4", "final_best", ABLATION, True),
+    Comparison("ablation, SCORE", "score", "score", ABLATION, True),
+    Comparison("ablation, held-out return", "table4", "held_out", ABLATION, False),
+)
+"""Four of three rules on four tasks make the declared family of 48 tests."""
 SOLVED = {"cartpole": 475.0, "lunar_lander": 200.0, "hopper": 3800.0, "bipedal_walker": 300.0}
 """Gymnasium's own reward thresholds: the unit in which returns of all tasks are put together."""
 
 
 def effects(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
-    """Each rule against NEAT: A12 with interval, p-values, Holm's over the family, seeds needed.
+    """Each of `COMPARISONS`: A12 with interval, p-values, Holm's over the family, seeds needed.
 
-    A row with task "all" is the probability of improvement: A12 averaged over the tasks.
+    A row with task "all" is the probability of improvement: A12 averaged over the tasks. NEAT (w/o)
+    has its cells of Table 4, as it is not in Table 3; its tests are of no family.
     """
     random = np.random.default_rng(seed)
     rows: list[dict[str, object]] = []
-    for name, setting, metric, against, table in COMPARISONS:
-        for rule in challengers(budget):
-            place: dict[str, object] = {"comparison": name, "method": rule, "against": against}
-            pairs = {
-                task: [_chosen(outcomes, setting, task, each, metric) for each in (rule, against)]
-                for task in budget.tasks
+    for comparison in COMPARISONS:
+        for method in comparison.methods(budget):
+            declared = comparison.declared and method != ABLATION
+            table = comparison.paper_table if declared else None
+            place: dict[str, object] = {
+                "comparison": comparison.name,
+                "method": method,
+                "against": comparison.against,
             }
+            pairs = {task: _pair(outcomes, comparison, task, method) for task in budget.tasks}
             for task, pair in pairs.items():
-                effect = _effect(superiority, pair, random)
+                effect, p = _effect(superiority, pair, random), rank_sum(*pair)
                 tested = {
-                    "p": rank_sum(*pair),
+                    "p": p,
+                    "p_holm": p if declared else math.nan,
                     "seeds_needed": seeds_needed(effect["a12"]),
-                    "paper_a12": reference.paper_a12(table, task, rule) if table else math.nan,
+                    "paper_a12": reference.paper_a12(table, task, method) if table else math.nan,
                 }
                 rows.append(place | {"task": task} | effect | tested)
             samples = [sample for pair in pairs.values() for sample in pair]
             rows.append(place | {"task": "all"} | _effect(mean_superiority, samples, random))
     frame = pd.DataFrame(rows)
-    frame["p_holm"] = holm(frame["p"].tolist())
+    frame["p_holm"] = holm(frame["p_holm"].tolist())
     return frame
 
 
@@ -154,6 +180,18 @@ def _effect(
     """An A12 with its interval, as columns of a table."""
     a12 = estimate(effect, samples, random)
     return {"seeds": min(map(len, samples)), "a12": a12.value, "low": a12.low, "high": a12.high}
+
+
+def _pair(
+    outcomes: Outcomes, comparison: Comparison, task: str, method: str
+) -> tuple[Floats, Floats]:
+    """The runs of a method, and of the one that it is compared with."""
+    setting, metric = comparison.setting, comparison.metric
+    own = "table4" if method == ABLATION and setting == "table3" else setting
+    return (
+        _chosen(outcomes, own, task, method, metric),
+        _chosen(outcomes, setting, task, comparison.against, metric),
+    )
 
 
 def _chosen(outcomes: Outcomes, setting: str, task: str, method: str, metric: str) -> Floats:

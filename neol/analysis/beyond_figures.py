@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
 
 from neol.analysis.beyond import COMPARISONS, SOLVED
-from neol.analysis.labels import challengers, method_label, shown_methods, task_label
+from neol.analysis.labels import method_label, shown_methods, task_label
 from neol.analysis.outcomes import EQUAL
 from neol.analysis.style import GREY, WIDTH, Style, drawing, footer, styles
 from neol.constants import Budget
@@ -22,6 +22,7 @@ NO_LINE = (
     "A mark without a line: all runs tie, or all of one side are higher, and so are all resamples; "
     "that does not make it certain."
 )
+OUTCOMES = {"final_best": "Final fitness", "score": "SCORE", "held_out": "Held-out return"}
 METRIC_LABELS = {
     "score": "SCORE",
     "equal_evaluations": "Best return so far,\nequal evaluations",
@@ -30,17 +31,20 @@ METRIC_LABELS = {
 
 
 def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """A12 of each rule with its interval; a cross is the paper's, from its p-value."""
-    rules, looks = challengers(budget), styles(shown_methods(budget))
-    group_height = len(rules) + 0.8
-    places = {
-        (name, rule): -(group * group_height + position)
-        for group, (name, *_) in enumerate(COMPARISONS)
-        for position, rule in enumerate(rules)
-    }
+    """A12 of each method with its interval; a cross is the paper's, from its p-value."""
+    looks = styles(shown_methods(budget))
+    places: dict[tuple[str, str], float] = {}
+    tops = []
+    for comparison in COMPARISONS:
+        tops.append(min(places.values(), default=0.8) - 1.8)
+        places |= {
+            (comparison.name, method): tops[-1] - position
+            for position, method in enumerate(comparison.methods(budget))
+        }
+    bottom = min(places.values())
     with drawing():
         columns = [*budget.tasks, "all"]
-        figure = Figure(figsize=(WIDTH, 1.2 + 0.16 * len(COMPARISONS) * group_height))
+        figure = Figure(figsize=(WIDTH, 1.2 - 0.15 * bottom))
         axes = figure.subplots(1, len(columns), sharey=True, sharex=True)
         for axis, task in zip(axes, columns, strict=True):
             _from_0_to_1(axis, "All tasks" if task == "all" else task_label(task))
@@ -48,15 +52,13 @@ def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
                 place = places[row["comparison"], row["method"]]
                 _interval(axis, place, row, "a12", looks[row["method"]])
                 axis.plot(row["paper_a12"], place, "x", color="black", markersize=4)
-        axes[0].set_yticks(list(places.values()), [method_label(rule) for _, rule in places])
-        for group, (_, _, metric, against, _) in enumerate(COMPARISONS):
-            outcome = "SCORE" if metric == "score" else "Final fitness"
-            text = f"{outcome} vs {method_label(against)}"
-            place = 0.62 - group * group_height
-            label = axes[0].text(-0.01, place, text, size=7, color=GREY, bbox=GROUND)
+        axes[0].set_yticks(list(places.values()), [method_label(each) for _, each in places])
+        for comparison, top in zip(COMPARISONS, tops, strict=True):
+            text = f"{OUTCOMES[comparison.metric]} vs {method_label(comparison.against)}"
+            label = axes[0].text(-0.01, top + 0.62, text, size=7, color=GREY, bbox=GROUND)
             label.set_in_layout(False)
-        axes[0].set_ylim(min(places.values()) - 0.5, 1.2)
-        _below(axes, "Probability that a run of the rule ends higher (A12)")
+        axes[0].set_ylim(bottom - 0.5, tops[0] + 1.2)
+        _below(axes, "Probability that a run of the method ends higher (A12)")
         explanation = (
             "Lines: 95% intervals (stratified bootstrap); crosses: the paper's, from its p-values."
         )

@@ -22,10 +22,11 @@ from neol.analysis.captions import (
 from neol.analysis.labels import task_label
 from neol.analysis.latex import escape
 from neol.analysis.runs import Campaign
+from neol.analysis.sensitivity import describe_trials
 from neol.analysis.table import Table, latex_entry
 from neol.files import write_atomically
 from neol.metadata import metadata
-from neol.report import words
+from neol.report import open_claims, words
 from neol.report.costs import costs
 from neol.report.inputs import command_line, vouched_frame, vouched_table
 from neol.spec import Configuration
@@ -77,7 +78,7 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
             for table, sentences in reference.CONTRADICTIONS.items()
             for text in sentences
         ),
-        **_in_words(configuration, figures),
+        **_in_words(campaign, figures),
     }
     each_task = "".join(f"#1{{{task}}}" for task in configuration.budget.tasks)
     lines = [
@@ -90,14 +91,22 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _in_words(configuration: Configuration, figures: Path) -> dict[str, str]:
+def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
     """The sentences that docs/results.md has too."""
+    configuration = campaign.configuration
     effects = vouched_frame(figures / "beyond_effects.csv")
-    steps = words.steps(vouched_frame(figures / "claims.csv"), configuration)
+    steps = open_claims.steps(vouched_frame(figures / "claims.csv"), configuration)
     sensitivity = vouched_frame(figures / "beyond_sensitivity.csv")
     return {
         "toldapart": _items(words.told_apart(effects, words.FITNESS)),
-        "toldapartablation": _items(words.told_apart(effects, words.ABLATION)),
+        "toldapartscore": _items(words.told_apart(effects, words.SCORE)),
+        "toldapartablation": _items(
+            words.told_apart(effects, words.ABLATION.format(words.FITNESS))
+        ),
+        "toldapartablationscore": _items(
+            words.told_apart(effects, words.ABLATION.format(words.SCORE))
+        ),
+        "summary": escape(" ".join(words.summary(effects))),
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(words.flattered(vouched_frame(figures / "beyond_selection.csv"))),
         "opensteps": "".join(
@@ -105,6 +114,8 @@ def _in_words(configuration: Configuration, figures: Path) -> dict[str, str]:
             for step in steps
         ),
         "toldbysensitivity": _items(words.told_by_sensitivity(sensitivity)),
+        "trials": escape(describe_trials(configuration)),
+        "onespecies": _items(words.one_species(campaign)),
     }
 
 

@@ -22,7 +22,7 @@ from neol.analysis.sidecar import Sidecar
 from neol.files import write_atomically
 from neol.metadata import metadata
 from neol.provenance import provenance
-from neol.report import words
+from neol.report import open_claims
 from neol.report.costs import costs
 from neol.report.inputs import command_line, read, vouched, vouched_frame, vouched_table
 from neol.report.showcase import Showcase, Shown
@@ -120,7 +120,7 @@ def _caption(name: str) -> str:
 def _judged(figures: Path) -> list[Judged]:
     claims = {claim.id: claim for claim in load_claims()}
     ledger = vouched_frame(figures / "claims.csv")
-    lacks = words.lacks_of_open(ledger)
+    lacks = open_claims.lacks_of_open(ledger)
     return [
         Judged(
             claims[str(name)],

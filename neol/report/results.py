@@ -4,7 +4,6 @@
 """
 
 import math
-from collections import Counter
 from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,8 +15,9 @@ from neol.analysis.captions import describe_budget, lacking
 from neol.analysis.claims import load_claims
 from neol.analysis.labels import three_figures
 from neol.analysis.runs import Campaign
+from neol.analysis.sensitivity import describe_trials
 from neol.files import write_atomically
-from neol.report import words
+from neol.report import open_claims, words
 from neol.report.costs import costs
 from neol.report.inputs import command_line, vouched, vouched_frame, vouched_table
 from neol.selection import snakemake_options
@@ -33,7 +33,7 @@ def page(campaign: Campaign, figures: Path, picture: str) -> str:
     ledger = vouched_frame(figures / "claims.csv")
     effects = vouched_frame(figures / "beyond_effects.csv")
     spent = costs(campaign)
-    estimated = words.core_hours(configuration, configuration.budget.seeds)
+    estimated = open_claims.core_hours(configuration, configuration.budget.seeds)
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("neol.report", "."),
         undefined=jinja2.StrictUndefined,
@@ -48,32 +48,31 @@ def page(campaign: Campaign, figures: Path, picture: str) -> str:
         commit=sidecar.commit,
         runs=spent["runs"]["all"],
         figures=figures.as_posix(),
-        counts=Counter(
-            {"supported": 0, "contradicted": 0, "undecided": 0},
-            **Counter(ledger.groupby("claim")["verdict"].first()),
-        ),
-        against_neat=words.told_apart(effects, words.FITNESS),
-        ablation=words.told_apart(effects, words.ABLATION),
+        in_short=[*words.verdicts(ledger), *words.summary(effects)],
+        against_neat=words.effects_table(effects, "neat"),
+        against_ablation=words.effects_table(effects, "neat_wo"),
         after_correction=words.after_correction(effects),
         flattered=words.flattered(vouched_frame(figures / "beyond_selection.csv")),
         table=table._repr_html_(),
         picture=picture,
         judged=_judged(ledger),
-        steps=words.steps(ledger, configuration),
+        steps=open_claims.steps(ledger, configuration),
         estimated="nothing" if estimated is None else three_figures(estimated),
         spent=three_figures(spent["core_hours"]["all"]),
+        trials=describe_trials(configuration),
+        one_species=words.one_species(campaign),
         sensitivity=words.told_by_sensitivity(vouched_frame(figures / "beyond_sensitivity.csv")),
     )
 
 
 def _judged(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
     """Each claim with the part that its verdict hangs on, and what an open one lacks."""
-    quotes = {claim.id: claim.quote for claim in load_claims()}
-    lacks = words.lacks_of_open(ledger)
+    claims = {claim.id: claim for claim in load_claims()}
+    lacks = open_claims.lacks_of_open(ledger)
     rows = ledger[ledger["decisive"]].to_dict("records")
     for row in rows:
         name = row["claim"]
-        row |= {"quote": quotes[name], "told": _effect(row), "lacks": lacks.get(name)}
+        row |= {"said": claims[name], "told": _effect(row), "lacks": lacks.get(name)}
     return rows
 
 

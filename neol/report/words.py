@@ -4,50 +4,83 @@ Every sentence is made of cells of a budget's tables and says no more than the i
 comparison whose interval holds "no difference" was not told apart.
 """
 
-import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from neol.analysis.claims import (
-    NO_COMMON_RANGE,
-    NOT_IN_BUDGET,
-    TOO_FEW,
-    TOO_SHORT,
-    UNEQUAL_TASKS,
-)
 from neol.analysis.labels import method_label, task_label, three_figures
-from neol.analysis.reference import SEEDS as PAPER_SEEDS
-from neol.analysis.score import PAPER_GENERATIONS
+from neol.analysis.runs import Campaign
 from neol.analysis.statistics import ALPHA
-from neol.campaign import Block, cells, run_specs
-from neol.cost import run_seconds
-from neol.report.costs import SECONDS_IN_AN_HOUR
-from neol.sensitivity import BASELINE
-from neol.spec import Configuration, load_configuration
+from neol.campaign import cells
+from neol.sensitivity import BASELINE, variants
 
-FITNESS, ABLATION = "final fitness", "ablation, final fitness"
-AGAINST = {FITNESS: "NEAT", ABLATION: "NEAT (w/o)"}
-"""The comparisons of beyond_effects.csv that are told, and with whom each is."""
-SEEDS = (PAPER_SEEDS, 100, 300, 1000)
-"""Where seeds are what open claims lack, these budgets are looked at."""
+FITNESS, SCORE, HELD_OUT = "final fitness", "SCORE", "held-out return"
+ABLATION = "ablation, {}"
+"""The comparisons of beyond_effects.csv: with NEAT, and each of them with NEAT (w/o)."""
+
+
+def verdicts(ledger: pd.DataFrame) -> list[str]:
+    """How many claims came out how, and which tasks those are about that are decided."""
+    claims = ledger.groupby("claim", sort=False)
+    verdict = claims["verdict"].first()
+    counts = Counter(verdict)
+    sentences = [
+        f"Of {len(verdict)} claims of the paper this budget supports {counts['supported']}, "
+        f"contradicts {counts['contradicted']} and leaves {counts['undecided']} open; claims "
+        "overlap, so that is no count of independent findings."
+    ]
+    for each in ("supported", "contradicted"):
+        parts = ledger[ledger["verdict"] == each]["tasks"]
+        tasks = dict.fromkeys(task for some in parts for task in some.split(","))
+        if tasks:
+            sentences.append(f"What is {each} is about {_listed(map(task_label, tasks))}.")
+    return sentences
+
+
+def summary(effects: pd.DataFrame) -> list[str]:
+    """Which methods are told apart from NEAT, and from NEAT (w/o), by which outcome."""
+    told = {
+        name: f"in {name}, {_apart(effects, name) or 'none'}"
+        for outcome in (FITNESS, SCORE, HELD_OUT)
+        for name in (outcome, ABLATION.format(outcome))
+    }
+    with_neat, with_ablation = list(told.values())[::2], list(told.values())[1::2]
+    return [
+        f"Told apart from NEAT by the 95% interval of A12 are: {'; '.join(with_neat)}.",
+        "From NEAT (w/o), which neither learns nor mutates weights: "
+        f"{'; '.join(with_ablation)}.".replace("in ablation, ", "in "),
+        "What a rule shares with NEAT (w/o) is no effect of learning.",
+    ]
 
 
 def told_apart(effects: pd.DataFrame, comparison: str) -> list[str]:
-    """For each task, and for all together, which rules end above or below NEAT: A12."""
-    against = AGAINST[comparison]
+    """For each task, and for all together, which methods end above or below another one: A12."""
     sentences = []
     for task, rows in effects[effects["comparison"] == comparison].groupby("task", sort=False):
         sides: dict[str, list[str]] = {}
         for row in rows.to_dict("records"):
             share = f" {_share(row)}" if row["seeds"] else ""
             sides.setdefault(_side(row), []).append(f"{method_label(row['method'])}{share}")
-        place = "All tasks together" if task == "all" else task_label(str(task))
+        against = method_label(rows["against"].iloc[0])
         said = "; ".join(f"{', '.join(some)} {side} {against}" for side, some in sides.items())
-        sentences.append(f"{place}: {said}.")
+        sentences.append(f"{_place(str(task))}: {said}.")
     return sentences
+
+
+def effects_table(effects: pd.DataFrame, against: str) -> list[list[str]]:
+    """A12 against a method: a head, then a row for each outcome and task; bold is told apart."""
+    here = effects[effects["against"] == against]
+    methods = list(dict.fromkeys(here["method"]))
+    rows = [["outcome", "task", *map(method_label, methods)]]
+    for (comparison, task), some in here.groupby(["comparison", "task"], sort=False):
+        by_method = {row["method"]: row for row in some.to_dict("records")}
+        entries = [_entry(by_method[method]) for method in methods]
+        outcome = str(comparison).removeprefix(ABLATION.format(""))
+        rows.append([outcome, _place(str(task)), *entries])
+    return rows
 
 
 def after_correction(effects: pd.DataFrame) -> str:
@@ -55,7 +88,8 @@ def after_correction(effects: pd.DataFrame) -> str:
     tested = effects.dropna(subset="p_holm")
     significant = tested[tested["p_holm"] < ALPHA]
     named = "; ".join(
-        f"{row['comparison']}, {task_label(row['task'])}, {method_label(row['method'])}"
+        f"{row['comparison']}, {task_label(row['task'])}, {method_label(row['method'])} against "
+        f"{method_label(row['against'])}"
         for row in significant.to_dict("records")
     )
     return (
@@ -65,11 +99,11 @@ def after_correction(effects: pd.DataFrame) -> str:
 
 
 def flattered(selection: pd.DataFrame) -> list[str]:
-    """For each task how far the champions' training maxima lie above what they get again."""
+    """For each task what champions get again, and how far their training maxima lie above it."""
     sentences = []
     for task, rows in selection.dropna(subset="mean").groupby("task", sort=False):
-        low, high = map(three_figures, (rows["mean"].min(), rows["mean"].max()))
-        sentences.append(f"{task_label(str(task))}: {low} to {high}.")
+        again, above = (_range(rows[name]) for name in ("held_out", "mean"))
+        sentences.append(f"{task_label(str(task))}: {again} again, {above} less than in training.")
     return sentences
 
 
@@ -78,111 +112,79 @@ def told_by_sensitivity(table: pd.DataFrame) -> list[str]:
     varied = table[(table["variant"] != BASELINE) & (table["pairs"] > 0)]
     if varied.empty:
         return ["None of the study's runs is there."]
-    differ = varied[(varied["low"] > 0.5) | (varied["high"] < 0.5)]
+    idle = varied["same"] == varied["seeds"]
+    tried = varied[~idle]
+    differ = tried[(tried["low"] > 0.5) | (tried["high"] < 0.5)]
+    constants = {name: ", ".join(variant.set) for name, variant in variants().items()}
     sentences = []
-    for task, rows in varied.groupby("task", sort=False):
+    for task in dict.fromkeys(varied["task"]):
         named = ", ".join(
-            f"{row['variant']} ({method_label(row['method'])}) {_share(row)}"
+            f"{constants[row['variant']]} ({method_label(row['method'])}) {_share(row)}"
             for row in differ[differ["task"] == task].to_dict("records")
         )
+        count = int((tried["task"] == task).sum())
+        sentences.append(f"{task_label(str(task))}: {named or 'none'}, of {count} that acted.")
+    sentences.append(
+        f"All together: {len(differ)} of {len(tried)}; if no reading mattered, at most about "
+        f"{ALPHA * len(tried):.0f} would be by chance."
+    )
+    if idle.any():
+        names = _listed(constants[name] for name in dict.fromkeys(varied[idle]["variant"]))
         sentences.append(
-            f"{task_label(str(task))}: {named or 'none'}, of {len(rows)} that were tried."
+            f"Acted on nothing, each run being the baseline's, in {idle.sum()} trials: {names}."
         )
+    return sentences
+
+
+def one_species(campaign: Campaign) -> list[str]:
+    """For each task in what share of its generations all genomes of a method were one species."""
+    shares: dict[str, dict[str, list[float]]] = {}
+    for cell in cells(campaign.configuration):
+        species = campaign.runs(cell).rows["species"]
+        if len(species):
+            of_task = shares.setdefault(cell.task, {})
+            of_task.setdefault(method_label(cell.method), []).append((species == 1).mean())
     return [
-        *sentences,
-        f"All together: {len(differ)} of {len(varied)}; if no reading mattered, about "
-        f"{ALPHA * len(varied):.0f} would be by chance.",
+        f"{task_label(task)}: "
+        + ", ".join(f"{method} {np.mean(some):.0%}" for method, some in of_task.items())
+        + "."
+        for task, of_task in shares.items()
     ]
 
 
-class Step(NamedTuple):
-    """What would decide some of the open claims."""
-
-    takes: str
-    claims: int
-    core_hours: str
-
-
-def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[Step]:
-    """What the open claims lack, and what it costs; a claim counts where it lacks the most."""
-    budget, paper = configuration.budget, load_configuration("paper")
-    more = [seeds for seeds in SEEDS if seeds > budget.seeds]
-    takes: dict[str | float, tuple[str, float | None]] = {
-        "runs": ("the rest of this budget's runs", None),
-        **{
-            seeds: (f"{seeds} seeds instead of {budget.seeds}", core_hours(configuration, seeds))
-            for seeds in more
-        },
-        math.inf: ("more seeds than that: little or no difference is seen here", None),
-        "generations": (
-            f"{PAPER_GENERATIONS} generations",
-            core_hours(configuration, budget.seeds, PAPER_GENERATIONS),
-        ),
-        "cells": (
-            "cells that this budget does not have: the paper's budget",
-            core_hours(paper, paper.budget.seeds),
-        ),
-    }
-    counts = Counter(_lack(parts, more) for _, parts in open_parts(ledger))
-    return [
-        Step(text, counts[lack], "--" if hours is None else three_figures(hours))
-        for lack, (text, hours) in takes.items()
-        if counts[lack]
-    ]
+def _apart(effects: pd.DataFrame, comparison: str) -> str:
+    """The methods that are told apart in a comparison, by task and side."""
+    here = effects[(effects["comparison"] == comparison) & (effects["task"] != "all")]
+    found = []
+    for task, rows in here.groupby("task", sort=False):
+        for side in ("above", "below"):
+            methods = [row["method"] for row in rows.to_dict("records") if _side(row) == side]
+            if methods:
+                found.append(
+                    f"{_listed(map(method_label, methods))} on {task_label(str(task))} ({side})"
+                )
+    return ", ".join(found)
 
 
-def core_hours(
-    configuration: Configuration, seeds: int, generations: int | None = None
-) -> float | None:
-    """What a budget's grid costs by measurement, held-out episodes left out; None if unknown."""
-    first = [
-        run_specs(configuration, Block(configuration.budget.name, cell, 0, 0))[0]
-        for cell in cells(configuration)
-    ]
-    seconds = [
-        run_seconds(spec.model_copy(update={"generations": generations or spec.generations}))
-        for spec in first
-    ]
-    return None if None in seconds else seeds * sum(filter(None, seconds)) / SECONDS_IN_AN_HOUR
+def _entry(row: Mapping[Any, Any]) -> str:
+    if not row["seeds"]:
+        return "--"
+    return f"**{_share(row)}**" if _side(row) in ("above", "below") else _share(row)
 
 
-def open_parts(ledger: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The undecided parts of each undecided claim."""
-    parts = ledger[(ledger["verdict"] == "undecided") & (ledger["part_verdict"] == "undecided")]
-    for claim, some in parts.groupby("claim", sort=False):
-        yield str(claim), some
+def _place(task: str) -> str:
+    return "All tasks together" if task == "all" else task_label(task)
 
 
-def _lack(parts: pd.DataFrame, more: Sequence[int]) -> str | float:
-    """What a claim's open parts need the most: one of `steps`."""
-    reasons = set(parts["reason"].dropna())
-    if NOT_IN_BUDGET in reasons:
-        return "cells"
-    if reasons & {TOO_SHORT, NO_COMMON_RANGE, UNEQUAL_TASKS}:
-        return "generations"
-    if reasons - {TOO_FEW}:
-        return "runs"
-    needed = _seeds_needed(parts)
-    return next((seeds for seeds in more if needed <= seeds), math.inf)
+def _listed(words: Iterable[str]) -> str:
+    """BCM, Hebb and Oja"""
+    *others, last = words
+    return f"{', '.join(others)} and {last}" if others else last
 
 
-def _seeds_needed(parts: pd.DataFrame) -> float:
-    """Of the part that needs the most; a claim of no difference needs the paper's."""
-    return float(parts["seeds_needed"].fillna(PAPER_SEEDS).max())
-
-
-def lacks_of_open(ledger: pd.DataFrame) -> dict[str, str]:
-    """What each undecided claim lacks, by its name."""
-    return {claim: lacks(parts) for claim, parts in open_parts(ledger)}
-
-
-def lacks(parts: pd.DataFrame) -> str:
-    """What a claim's open parts need."""
-    reasons = list(dict.fromkeys(parts["reason"].dropna()))
-    needed = _seeds_needed(parts)
-    if reasons:
-        return ", ".join(reasons)
-    return f"{needed:.0f} seeds" if needed <= SEEDS[-1] else f"more than {SEEDS[-1]} seeds"
+def _range(values: "pd.Series[float]") -> str:
+    low, high = map(three_figures, (values.min(), values.max()))
+    return f"{low} to {high}"
 
 
 def _side(row: Mapping[Any, Any]) -> str:

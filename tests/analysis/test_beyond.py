@@ -47,10 +47,24 @@ def test_effects_by_hand(tmp_path: Path) -> None:
     assert row(table, **place, task="hopper")["a12"] == 0.5
     assert row(table, **place, task="all")["a12"] == 0.75
     assert row(table, **place, task="hopper")["paper_a12"] == 663 / 900
-    assert len(table) == 4 * 3 * 3  # comparisons, rules, tasks and all
-    single = table[table["task"] != "all"]
-    assert (single["p_holm"] >= single["p"]).all()
+    assert len(table) == 6 * 3 * 3 + 3 * 3  # comparisons, rules, tasks and all; and NEAT (w/o)
+    family = table.dropna(subset="p_holm")
+    assert len(family) == 4 * 3 * 2
+    assert (family["p_holm"] >= family["p"]).all()
     assert cartpole["p_holm"] == pytest.approx(min(1, 24 * cartpole["p"]))
+
+
+def test_neat_without_mutation_is_compared_in_its_own_cell(tmp_path: Path) -> None:
+    """It beats NEAT by every outcome, but its tests are of no family; with rules."""
+    values = {Cell(task, "neat_wo", p, None): [9.0] * 3 for task in TASKS for p in (6, 12)}
+    table = beyond.effects(collected(tmp_path, values), BUDGET)
+    for name in ("final fitness", "SCORE", "held-out return"):
+        ours = row(table, comparison=name, method="neat_wo", task="hopper")
+        assert (ours["a12"], ours["against"]) == (1, "neat")
+        assert ours["p"] < 0.05
+        assert math.isnan(ours["p_holm"])
+        rule = row(table, comparison=f"ablation, {name}", method="bcm", task="hopper")
+        assert (rule["a12"], rule["against"]) == (0, "neat_wo")
 
 
 def test_aggregates_by_hand(tmp_path: Path) -> None:

@@ -3,19 +3,17 @@
 import math
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 
-from neol.analysis.claims import NOT_IN_BUDGET, SEEDS_MISSING, TOO_FEW, TOO_SHORT
+from neol.analysis.runs import Campaign
 from neol.report import words
-from neol.spec import load_configuration
-from tests.analysis.made_up import configuration
 
 
 def effects(**row: Any) -> pd.DataFrame:
     """One comparison with NEAT on Hopper."""
     there = {"comparison": words.FITNESS, "task": "hopper", "method": "bcm", "seeds": 10}
+    there |= {"against": "neat"}
     return pd.DataFrame([there | {"a12": 0.5, "low": 0.2, "high": 0.8, "p_holm": 1.0} | row])
 
 
@@ -48,6 +46,56 @@ def test_rules_are_told_side_by_side() -> None:
         "Hopper: BCM 0.90 [0.80, 1.00], Oja 0.80 [0.70, 1.00] above NEAT; "
         "Hebb 0.50 [0.20, 0.80] not told apart from NEAT."
     )
+    assert words.effects_table(pd.concat(rows), "neat") == [
+        ["outcome", "task", "BCM", "Hebb", "Oja"],
+        [
+            words.FITNESS,
+            "Hopper",
+            "**0.90 [0.80, 1.00]**",
+            "0.50 [0.20, 0.80]",
+            "**0.80 [0.70, 1.00]**",
+        ],
+    ]
+
+
+def test_who_is_told_apart_is_said_of_each_outcome() -> None:
+    table = pd.concat([
+        effects(method="bcm", low=0.6), effects(method="neat_wo", low=0.6), effects(method="oja"),
+        effects(method="oja", task="cartpole", high=0.4),
+        effects(method="bcm", task="all", low=0.6),
+        effects(comparison="ablation, SCORE", against="neat_wo", method="hebb", low=0.6),
+    ])  # fmt: skip
+    assert words.summary(table)[:2] == [
+        "Told apart from NEAT by the 95% interval of A12 are: in final fitness, BCM and NEAT (w/o) "
+        "on Hopper (above), Oja on CartPole (below); in SCORE, none; in held-out return, none.",
+        "From NEAT (w/o), which neither learns nor mutates weights: in final fitness, none; in "
+        "SCORE, Hebb on Hopper (above); in held-out return, none.",
+    ]
+
+
+def test_what_is_decided_names_its_tasks() -> None:
+    parts = [
+        ("a", "supported", "cartpole"), ("a", "supported", "hopper"), ("b", "supported", "hopper"),
+        ("c", "undecided", ""),
+    ]  # fmt: skip
+    ledger = pd.DataFrame(parts, columns=["claim", "verdict", "tasks"])
+    assert words.verdicts(ledger) == [
+        "Of 3 claims of the paper this budget supports 2, contradicts 0 and leaves 1 open; claims "
+        "overlap, so that is no count of independent findings.",
+        "What is supported is about CartPole and Hopper.",
+    ]
+
+
+def test_what_champions_get_again() -> None:
+    columns = ["task", "mean", "held_out"]
+    rows = [("hopper", 195.0, -187.0), ("hopper", 398.0, -56.0), ("cartpole", math.nan, math.nan)]
+    assert words.flattered(pd.DataFrame(rows, columns=columns)) == [
+        "Hopper: -187 to -56.0 again, 195 to 398 less than in training."
+    ]
+
+
+def test_the_share_of_generations_with_one_species(campaign: Campaign) -> None:
+    assert words.one_species(campaign)[0].startswith("CartPole: Hebb ")
 
 
 def test_no_run_is_no_comparison() -> None:
@@ -61,67 +109,26 @@ def test_tests_are_counted_after_correction() -> None:
     assert words.after_correction(table).startswith(
         "Of 2 one-sided tests of the declared family, 1"
     )
-    assert words.after_correction(table).endswith("correction: final fitness, Hopper, BCM.")
+    assert words.after_correction(table).endswith(
+        "correction: final fitness, Hopper, BCM against NEAT."
+    )
 
 
 def test_readings_that_were_told_apart_are_named() -> None:
-    columns = ["variant", "task", "method", "pairs", "a12", "low", "high"]
+    columns = ["variant", "task", "method", "seeds", "pairs", "same", "a12", "low", "high"]
     rows = [
-        ("baseline", "hopper", "bcm", 10, 0.5, 0.5, 0.5),
-        ("beta 1", "hopper", "bcm", 10, 0.1, 0.0, 0.4),
-        ("ReLU", "hopper", "neat", 10, 0.6, 0.3, 0.9),
-        ("ReLU", "cartpole", "neat", 10, 0.5, 0.5, 0.5),
-        ("sigmoid", "cartpole", "neat", 0, math.nan, math.nan, math.nan),
+        ("baseline", "hopper", "bcm", 10, 10, 10, 0.5, 0.5, 0.5),
+        ("beta 1", "hopper", "bcm", 10, 10, 0, 0.1, 0.0, 0.4),
+        ("ReLU", "hopper", "neat", 10, 10, 0, 0.6, 0.3, 0.9),
+        ("literal sharing", "hopper", "neat", 10, 10, 10, 0.5, 0.5, 0.5),
+        ("ReLU", "cartpole", "neat", 10, 10, 0, 0.5, 0.5, 0.5),
+        ("sigmoid", "cartpole", "neat", 0, 0, 0, math.nan, math.nan, math.nan),
     ]
     assert words.told_by_sensitivity(pd.DataFrame(rows, columns=columns)) == [
-        "Hopper: beta 1 (BCM) 0.10 [0.00, 0.40], of 2 that were tried.",
-        "CartPole: none, of 1 that were tried.",
-        "All together: 1 of 3; if no reading mattered, about 0 would be by chance.",
+        "Hopper: plasticity.reward_scale=1.0 (BCM) 0.10 [0.00, 0.40], of 2 that acted.",
+        "CartPole: none, of 1 that acted.",
+        "All together: 1 of 3; if no reading mattered, at most about 0 would be by chance.",
+        "Acted on nothing, each run being the baseline's, in 1 trials: neat.sharing=literal.",
     ]
-    nothing = pd.DataFrame(rows[4:], columns=columns)
+    nothing = pd.DataFrame(rows[5:], columns=columns)
     assert words.told_by_sensitivity(nothing) == ["None of the study's runs is there."]
-
-
-def ledger(*parts: tuple[str, str, float]) -> pd.DataFrame:
-    """Open claims: of each part its claim, why it is open, and the seeds it needs."""
-    table = pd.DataFrame(parts, columns=["claim", "reason", "seeds_needed"])
-    table["reason"] = table["reason"].replace("", np.nan)
-    return table.assign(verdict="undecided", part_verdict="undecided")
-
-
-def test_an_open_claim_counts_where_it_lacks_the_most() -> None:
-    table = ledger(
-        ("few seeds", TOO_FEW, 12), ("few seeds", "", 29),
-        ("more seeds", "", 12), ("more seeds", "", 31),
-        ("no difference", "", math.inf),
-        ("indistinguishable", "", math.nan),
-        ("higher level", "", 12), ("higher level", TOO_SHORT, 12),
-        ("elsewhere", TOO_SHORT, 12), ("elsewhere", NOT_IN_BUDGET, math.nan),
-        ("under way", SEEDS_MISSING, 12),
-    )  # fmt: skip
-    table.loc[len(table)] = ["decided", np.nan, 12, "supported", "supported"]
-    steps = words.steps(table, configuration())
-    assert [(step.takes, step.claims) for step in steps] == [
-        ("the rest of this budget's runs", 1),
-        ("30 seeds instead of 3", 2),
-        ("100 seeds instead of 3", 1),
-        ("more seeds than that: little or no difference is seen here", 1),
-        ("500 generations", 1),
-        ("cells that this budget does not have: the paper's budget", 1),
-    ]
-    assert words.lacks(table[table["claim"] == "more seeds"]) == "31 seeds"
-    assert words.lacks(table[table["claim"] == "no difference"]) == "more than 1000 seeds"
-    assert words.lacks(table[table["claim"] == "higher level"]) == TOO_SHORT
-
-
-def test_core_hours_grow_with_seeds_and_generations() -> None:
-    demo = load_configuration("demo")
-    hours = words.core_hours(demo, seeds=10)
-    assert hours
-    assert words.core_hours(demo, seeds=30) == pytest.approx(3 * hours)
-    half = words.core_hours(demo, seeds=10, generations=demo.budget.generations // 2)
-    assert half == pytest.approx(hours / 2)
-    # Beyond the generations that were measured a generation costs what the last of those did.
-    later = [words.core_hours(demo, seeds=10, generations=each) for each in (600, 1200, 1800)]
-    assert later[0] > 10 * hours
-    assert later[2] - later[1] == pytest.approx(later[1] - later[0])
