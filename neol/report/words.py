@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from neol.analysis.labels import method_label, task_label, three_figures
+from neol.analysis.labels import method_label, shown_methods, task_label, three_figures
 from neol.analysis.runs import Campaign
 from neol.analysis.statistics import ALPHA
 from neol.campaign import cells
@@ -143,10 +143,14 @@ def one_species(campaign: Campaign) -> list[str]:
         species = campaign.runs(cell).rows["species"]
         if len(species):
             of_task = shares.setdefault(cell.task, {})
-            of_task.setdefault(method_label(cell.method), []).append((species == 1).mean())
+            of_task.setdefault(cell.method, []).append((species == 1).mean())
     return [
         f"{task_label(task)}: "
-        + ", ".join(f"{method} {np.mean(some):.0%}" for method, some in of_task.items())
+        + ", ".join(
+            f"{method_label(method)} {np.mean(of_task[method]):.0%}"
+            for method in shown_methods(campaign.configuration.budget)
+            if method in of_task
+        )
         + "."
         for task, of_task in shares.items()
     ]

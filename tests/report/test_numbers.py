@@ -128,7 +128,8 @@ def typed_numbers(text: str) -> list[str]:
         r"(?s)\\begin{equation\*}.*?\\end{equation\*}",
         r"\$[^$]*\$",
         r"(?s)\\(?:result|input|label|ref|cite|drawing|rules|begin|end|newcommand)(?:\[[^]]*\]|{[^{}]*})+",
-        r"(?:Tables?|Figures?|Sections?|Algorithms?|Equations?)[ ~](?:\d+(?:\.\d+)?(?:, | and )?)+",
+        r"(?:Tables?|Figures?|Sections?|Algorithms?|Equations?)[ ~]"
+        r"(?:\d+(?:\.\d+)?(?:, | and | to )?)+",
         r"figures/table\d",
         r"#\d",
         r"\\texttt{[^}]*}",

@@ -30,6 +30,11 @@ def test_every_claim_is_in_the_section_of_its_verdict(text: str) -> None:
     assert "supports 0, contradicts 1 and leaves 1 open" in " ".join(text.split())
 
 
+def test_tables_and_effects_are_there(text: str) -> None:
+    assert "<table>" in section(text, "Table 1")
+    assert "| held-out return | Hopper | 0.50 [0.50, 0.50] |" in section(text, "In short")
+
+
 def test_tables_are_tables(text: str) -> None:
     """A blank line before, as many cells in each line, none after the last."""
     for table in re.findall(r"(?:^\|.*\n)+", text, re.M):

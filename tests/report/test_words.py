@@ -95,7 +95,7 @@ def test_what_champions_get_again() -> None:
 
 
 def test_the_share_of_generations_with_one_species(campaign: Campaign) -> None:
-    assert words.one_species(campaign)[0].startswith("CartPole: Hebb ")
+    assert words.one_species(campaign)[0].startswith("CartPole: BCM ")
 
 
 def test_no_run_is_no_comparison() -> None:
