@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neol.campaign import RESULTS, blocks, run_specs
 from neol.errors import UserError
-from neol.records import first_difference, read_footer, read_spec
+from neol.records import Metadata, first_difference, read_footer
 from neol.sensitivity import trials, variants
 from neol.spec import Configuration, RunSpec
 
@@ -55,12 +55,15 @@ class Job:
         if not self.record.exists():
             return f"{self.record} is missing"
         try:
-            if difference := first_difference(read_spec(self.record), self.spec):
-                return f"{self.record} is of another specification: {difference}"
-            seeds = {info.seed for info in read_footer(self.record, self.spec).seeds}
+            return self.misfit(read_footer(self.record))
         except UserError:
             return None
-        if seeds != set(self.seeds):
+
+    def misfit(self, footer: Metadata) -> str | None:
+        """Why a record with this footer must be made anew; None where it is the job's."""
+        if difference := first_difference(footer.spec, self.spec):
+            return f"{self.record} is of another specification: {difference}"
+        if {info.seed for info in footer.seeds} != set(self.seeds):
             return f"{self.record} is of other seeds than {self.seeds[0]} to {self.seeds[-1]}"
         return None
 

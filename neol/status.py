@@ -105,12 +105,15 @@ class Folder:
         partial = partial_folder(job.record)
         try:
             if job.record.exists():
-                finished = self._runs(job.record, job)
-                return JobStatus(job, "missing" if _unfinished(job, finished) else "done", finished)
+                finished = self._runs(job)
+                return JobStatus(job, "done" if finished else "missing", finished)
             if not partial.exists():
                 return JobStatus(job, "missing")
-            paths = [finished_path(partial, seed) for seed in job.seeds]
-            finished = tuple(r for path in paths if path.exists() for r in self._runs(path, job))
+            singles = [
+                replace(job, record=finished_path(partial, seed), seeds=range(seed, seed + 1))
+                for seed in job.seeds
+            ]
+            finished = tuple(r for one in singles if one.record.exists() for r in self._runs(one))
         except FileNotFoundError as error:  # done since: its runs have moved to its record
             if looks == 1:
                 return JobStatus(job, "failed", reason=f"{error.filename}: comes and goes")
@@ -123,11 +126,17 @@ class Folder:
         state: State = "running" if is_running(partial) else "interrupted"
         return JobStatus(job, state, finished, generation)
 
-    def _runs(self, path: Path, job: Job) -> tuple[Finished, ...]:
-        """The runs of a record. Raises UserError where it cannot be used."""
+    def _runs(self, job: Job) -> tuple[Finished, ...]:
+        """The runs of a job's record; none where the workflow will make it anew.
+
+        Raises UserError where it cannot be used.
+        """
+        path = job.record
         stat = path.stat()
         version = stat.st_mtime_ns, stat.st_size
         if path not in self._read or self._read[path][0] != version:
+            footer = read_footer(path)
+            infos = () if job.misfit(footer) else footer.seeds
             runs = tuple(
                 Finished(
                     spec=job.spec.model_copy(update={"seed": info.seed}),
@@ -137,7 +146,7 @@ class Folder:
                     wall_seconds=info.wall_seconds,
                     time=_time(path, info.provenance.time),
                 )
-                for info in read_footer(path, job.spec).seeds
+                for info in infos
             )
             self._read[path] = version, runs
         return self._read[path][1]

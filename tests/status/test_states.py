@@ -9,10 +9,9 @@ import pytest
 from neol import status as module
 from neol.jobs import Job
 from neol.partial import finished_path, partial_folder
-from neol.records import write_record
+from neol.records import read_record, write_record
 from neol.run import run_block
 from neol.status import Folder, JobStatus, Status
-from tests.analysis import made_up
 from tests.runs import killer
 from tests.status.conftest import finish, job, log
 
@@ -23,12 +22,23 @@ def status_of(folder: Folder, of: Job) -> JobStatus:
 
 def test_a_record_is_done(folder: Folder) -> None:
     finish(job(folder))
-    finish(job(folder, place=1), seeds=2)
     status = Status(folder.look())
-    assert status.states() == {"done": 5, "missing": 91}
+    assert status.states() == {"done": 3, "missing": 93}
     assert status.cells == (1, 32)
-    assert [run.spec.seed for run in status.finished] == [0, 1, 2, 0, 1]
+    assert [run.spec.seed for run in status.finished] == [0, 1, 2]
     assert {(run.best_fitness, run.held_out) for run in status.finished} == {(7.0, 6.0)}
+
+
+def test_a_record_that_must_be_made_anew_is_missing(folder: Folder) -> None:
+    """As `Job.reason` has it: not what it holds of the job's seeds counts."""
+    fewer, more, other = (job(folder, place=place) for place in range(3))
+    finish(fewer, seeds=2)
+    finish(dataclasses.replace(more, seeds=range(4)), seeds=4)
+    finish(job(folder, place=3), output=other.record)
+    for each, why in ((fewer, "other seeds"), (more, "other seeds"), (other, "another spec")):
+        assert why in (each.reason() or "")
+        assert status_of(folder, each).states["missing"] == 3
+    assert Status(folder.look()).finished == []
 
 
 def test_a_block_under_way(folder: Folder) -> None:
@@ -70,7 +80,7 @@ def test_a_block_that_ends_during_the_look(folder: Folder, monkeypatch: pytest.M
 
 
 def test_a_record_that_comes_and_goes(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
-    def vanish(path: Path, _spec: object) -> None:
+    def vanish(path: Path) -> None:
         raise FileNotFoundError(2, "gone", str(path))
 
     this = job(folder)
@@ -112,11 +122,11 @@ def test_each_trial_has_a_log_of_its_own(folder: Folder) -> None:
 
 def test_a_time_that_is_none_fails_its_job_only(folder: Folder) -> None:
     this, other = job(folder), job(folder, place=1)
+    finish(this)
     finish(other)
-    (info,) = (record := made_up.run(this.spec, "smoke", 7.0)).seeds
-    foreign = info.provenance.model_copy(update={"time": "yesterday"})
-    this.record.parent.mkdir(parents=True)
-    changed = (info.model_copy(update={"provenance": foreign}),)
+    record = read_record(this.record)
+    foreign = record.seeds[0].provenance.model_copy(update={"time": "yesterday"})
+    changed = tuple(info.model_copy(update={"provenance": foreign}) for info in record.seeds)
     write_record(this.record, dataclasses.replace(record, seeds=changed))
     assert "'yesterday' is no time" in status_of(folder, this).reason
     assert status_of(folder, other).state == "done"
@@ -124,11 +134,12 @@ def test_a_time_that_is_none_fails_its_job_only(folder: Folder) -> None:
 
 def test_a_record_that_cannot_be_used_has_failed(folder: Folder) -> None:
     this, other = job(folder), job(folder, place=1)
-    finish(other, output=this.record)
-    assert "of another specification: plasticity.learning_rate" in status_of(folder, this).reason
+    finish(this)
+    finish(other)
     this.record.write_bytes(b"no record")
     assert status_of(folder, this).state == "failed"
     assert "seeds_000-002.parquet: damaged" in status_of(folder, this).reason
+    assert status_of(folder, other).state == "done"
 
 
 def test_a_record_is_read_once(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
