@@ -11,6 +11,8 @@ from pathlib import Path
 from neol.model import Model
 
 PACKAGES = ("numpy", "numba", "gymnasium", "mujoco", "box2d", "neol")
+CODE = ("neol", "config", "environment.lock")
+"""What runs are made with, from the root of the checkout."""
 
 
 class Provenance(Model):
@@ -58,8 +60,10 @@ def package_version(package: str) -> str | None:
 
 
 @cache
-def checkout() -> tuple[str | None, bool | None]:
+def checkout(*further: str) -> tuple[str | None, bool | None]:
     """The commit that this file is tracked in, and whether code or constants differ from it.
+
+    Or what else is named, by its path from the root.
 
     As they were at the first call of the process, which is for the first run to make when it
     begins: a run takes hours, and what is committed or edited meanwhile is not what it runs.
@@ -68,7 +72,7 @@ def checkout() -> tuple[str | None, bool | None]:
     try:
         _git(root, "ls-files", "--error-unmatch", "neol/provenance.py")
         commit = _git(root, "rev-parse", "HEAD")
-        changes = _git(root, "status", "--porcelain", "--", "neol", "config", "environment.lock")
+        changes = _git(root, "status", "--porcelain", "--", *CODE, *further)
     except (OSError, subprocess.CalledProcessError):
         return None, None
     return commit, bool(changes)

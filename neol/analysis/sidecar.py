@@ -13,11 +13,13 @@ from neol.analysis.runs import Source
 from neol.errors import UserError
 from neol.files import read_bounded, sha256, write_atomically
 from neol.model import Model
-from neol.provenance import provenance
+from neol.provenance import checkout
 from neol.selection import snakemake_options
 from neol.spec import ROOT, Configuration
 
 MAX_BYTES = 2**27
+INPUTS = ("paper", "notebooks", "rules", "Snakefile", "pyproject.toml")
+"""What decides, beside code, constants and records, what tables and figures say."""
 
 
 def command(output: Path, configuration: Configuration) -> str:
@@ -35,7 +37,7 @@ class Sidecar(Model):
     """That makes them."""
     commit: str | None
     dirty: bool | None
-    """Whether the checkout had changes that were not committed; None where there was none."""
+    """Whether code, constants or `INPUTS` differed from that commit; None outside a checkout."""
     budget: str
     configuration: str
     """SHA-256 of the resolved configuration as canonical JSON."""
@@ -62,12 +64,12 @@ def write_sidecar(
 ) -> None:
     """Write the sidecar of outputs that are there already."""
     resolved = json.dumps(configuration.model_dump(mode="json"), sort_keys=True)
-    made_by = provenance()
+    commit, dirty = checkout(*INPUTS)
     sidecar = Sidecar(
         outputs={path.name: sha256(path) for path in outputs},
         command=command(outputs[0], configuration),
-        commit=made_by.commit,
-        dirty=made_by.dirty,
+        commit=commit,
+        dirty=dirty,
         budget=configuration.budget.name,
         configuration=hashlib.sha256(resolved.encode()).hexdigest(),
         records=tuple(sources),

@@ -18,10 +18,10 @@ from neol.analysis.captions import describe_budget, lacking
 from neol.analysis.claims import Claim, load_claims
 from neol.analysis.labels import HEATMAPS
 from neol.analysis.runs import Campaign
-from neol.analysis.sidecar import Sidecar
+from neol.analysis.sidecar import INPUTS, Sidecar
 from neol.files import write_atomically
 from neol.metadata import metadata
-from neol.provenance import provenance
+from neol.provenance import checkout
 from neol.report import open_claims
 from neol.report.costs import costs
 from neol.report.inputs import command_line, read, vouched, vouched_frame, vouched_table
@@ -71,6 +71,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     exhibits = [*paper_tables, *paper_figures, *beyond]
     records = {record.path: record for each in exhibits for record in each.origin.records}
     showcase = _read_showcase(champions)
+    commit, dirty = checkout(*INPUTS, "docs/assumptions.md")
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("neol.report", "."),
         autoescape=True,
@@ -85,7 +86,8 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         options=snakemake_options(configuration.budget),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
-        made_by=provenance(),
+        commit=commit,
+        dirty=dirty,
         judged=judged,
         counts=Counter(each.verdict for each in judged),
         tables=paper_tables,
