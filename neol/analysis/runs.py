@@ -1,5 +1,6 @@
 """A budget's runs, read from its records."""
 
+import hashlib
 import math
 import sys
 from collections.abc import Iterable
@@ -16,10 +17,10 @@ from neol.analysis.statistics import Floats
 from neol.campaign import RESULTS, Block, Cell, blocks, run_specs
 from neol.columns import SCHEMA
 from neol.errors import UserError
-from neol.files import sha256
+from neol.files import read_bounded
 from neol.record import Record
-from neol.records import read_record
-from neol.spec import Configuration
+from neol.records import MAX_BYTES, parse_record
+from neol.spec import Configuration, RunSpec
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +37,21 @@ class Source:
     """Trajectory digest of each seed."""
 
     @classmethod
-    def of(cls, record: Record, results: Path, below: Path) -> Self:
-        """That of a record that was read from a path below a results folder."""
-        return cls(
+    def read(cls, results: Path, below: Path, spec: RunSpec) -> tuple[Record, Self]:
+        """The record at a path below a results folder, as by `read_record`, and where it is from.
+
+        Both of the same bytes: another process may put another record there meanwhile.
+        """
+        path = results / below
+        content = read_bounded(path, MAX_BYTES)
+        record = parse_record(path, content, spec)
+        source = cls(
             path=str(Path(results.resolve().name, below)),
-            sha256=sha256(results / below),
+            sha256=hashlib.sha256(content).hexdigest(),
             spec=record.spec.digest(),
             runs={info.seed: info.digest for info in record.seeds},
         )
+        return record, source
 
 
 @dataclass(frozen=True)
@@ -124,14 +132,15 @@ class Campaign:
             if not path.exists():
                 missing += block.seeds
                 continue
-            record = read_record(path, run_specs(self.configuration, block)[0])
+            spec = run_specs(self.configuration, block)[0]
+            record, source = Source.read(self._results, below, spec)
             missing += _missing(path, record, block)
             rows.append(record.frame())
             for info in record.seeds:
                 mean = info.held_out.mean
                 held_out[info.seed] = math.nan if mean is None else mean
                 cpu_seconds[info.seed] = info.cpu_seconds
-            sources.append(Source.of(record, self._results, below))
+            sources.append(source)
         if missing:
             seeds = ", ".join(map(str, missing))
             print(f"neol: {cell.folder}: no record of seeds {seeds}", file=sys.stderr)

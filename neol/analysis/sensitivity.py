@@ -10,7 +10,6 @@ from neol.analysis.runs import Source
 from neol.analysis.statistics import Floats, estimate
 from neol.campaign import RESULTS
 from neol.errors import UserError
-from neol.records import read_record
 from neol.sensitivity import BASELINE, Trial, trials, variants
 from neol.spec import Configuration
 
@@ -75,7 +74,7 @@ def _read(
     path = results / below
     if not path.exists():
         return pd.Series(dtype=np.float64), {}, []
-    record = read_record(path, trial.spec)
+    record, source = Source.read(results, below, trial.spec)
     if [info.seed for info in record.seeds] != list(trial.seeds):
         raise UserError(
             f"{path}: does not hold seeds {trial.seeds[0]} to {trial.seeds[-1]}, those of the "
@@ -86,8 +85,7 @@ def _read(
     histories = {
         info.seed: frame[frame["seed"] == info.seed].reset_index(drop=True) for info in record.seeds
     }
-    sample = pd.Series(held_out, dtype=np.float64)
-    return sample, histories, [Source.of(record, results, below)]
+    return pd.Series(held_out, dtype=np.float64), histories, [source]
 
 
 def _mean(sample: Floats) -> Floats:

@@ -1,12 +1,17 @@
 """What a sidecar says of the checkout and the records behind an output."""
 
+import hashlib
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from neol import provenance
+from neol import provenance, records
+from neol.analysis.runs import Campaign
+from neol.analysis.sensitivity import sensitivity
 from neol.analysis.sidecar import Sidecar, write_sidecar
+from neol.campaign import cells
 from tests.analysis import made_up
 
 
@@ -53,3 +58,26 @@ def test_what_an_edit_makes_dirty(
     sidecar = Sidecar.read(table.with_suffix(".json"))
     assert sidecar.commit
     assert sidecar.dirty == of_output
+
+
+def test_a_source_is_of_the_bytes_that_were_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where another record takes a record's place while it is read."""
+    configuration, results = made_up.configuration(), tmp_path / "results"
+    made_up.write_campaign(results, configuration, {})
+    made_up.write_trials(results, configuration, {"baseline": 0.0})
+    before = {
+        str(path.relative_to(tmp_path)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in results.rglob("*.parquet")
+    }
+    stored_spec = records._stored_spec
+
+    def exchange(path: Path, text: bytes) -> dict[str, Any]:
+        path.write_bytes(b"another record")
+        return stored_spec(path, text)
+
+    monkeypatch.setattr(records, "_stored_spec", exchange)
+    sources = Campaign(configuration, results).sources(cells(configuration))
+    sources += sensitivity(configuration, results)[1]
+    assert {source.path: source.sha256 for source in sources} == before
