@@ -1,7 +1,6 @@
 """Beside every output a JSON file that leads back from it to its runs."""
 
 import hashlib
-import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -15,7 +14,7 @@ from neol.files import read_bounded, sha256, write_atomically
 from neol.model import Model
 from neol.provenance import checkout
 from neol.selection import snakemake_options
-from neol.spec import ROOT, Configuration
+from neol.spec import ROOT, Configuration, canonical_json
 
 MAX_BYTES = 2**27
 INPUTS = ("paper", "notebooks", "rules", "Snakefile", "pyproject.toml")
@@ -63,7 +62,7 @@ def write_sidecar(
     outputs: Sequence[Path], configuration: Configuration, sources: Iterable[Source]
 ) -> None:
     """Write the sidecar of outputs that are there already."""
-    resolved = json.dumps(configuration.model_dump(mode="json"), sort_keys=True)
+    resolved = canonical_json(configuration.model_dump(mode="json"))
     commit, dirty = checkout(*INPUTS)
     sidecar = Sidecar(
         outputs={path.name: sha256(path) for path in outputs},
@@ -71,7 +70,7 @@ def write_sidecar(
         commit=commit,
         dirty=dirty,
         budget=configuration.budget.name,
-        configuration=hashlib.sha256(resolved.encode()).hexdigest(),
+        configuration=hashlib.sha256(resolved).hexdigest(),
         records=tuple(sources),
     )
     text = sidecar.model_dump_json(indent=1) + "\n"

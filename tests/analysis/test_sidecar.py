@@ -12,6 +12,7 @@ from neol.analysis.runs import Campaign
 from neol.analysis.sensitivity import sensitivity
 from neol.analysis.sidecar import Sidecar, write_sidecar
 from neol.campaign import cells
+from neol.spec import canonical_json
 from tests.analysis import made_up
 
 
@@ -58,6 +59,15 @@ def test_what_an_edit_makes_dirty(
     sidecar = Sidecar.read(table.with_suffix(".json"))
     assert sidecar.commit
     assert sidecar.dirty == of_output
+
+
+def test_the_configuration_is_named_by_its_canonical_json(tmp_path: Path) -> None:
+    configuration, table = made_up.configuration(), tmp_path / "table1.tex"
+    table.touch()
+    write_sidecar([table], configuration, ())
+    content = canonical_json(configuration.model_dump(mode="json"))
+    named = Sidecar.read(table.with_suffix(".json")).configuration
+    assert named == hashlib.sha256(content).hexdigest()
 
 
 def test_a_source_is_of_the_bytes_that_were_read(
