@@ -98,9 +98,16 @@ def outputs(kinds, *names):
 
 
 def code(*, draws):
-    """What a notebook's outputs depend on: a change of drawing makes no table anew."""
-    files = Path("neol/analysis").glob("*.py")
-    return sorted(str(file) for file in files if draws or file.stem not in DRAWING)
+    """What a notebook's outputs depend on: a change of drawing makes no table anew.
+
+    With the analysis what it imports: which cells there are, what a record holds. Not what that stands on: a run.
+    """
+    every = map(Path, glob("neol/analysis/*.py"))
+    files = [file for file in every if draws or file.stem not in DRAWING]
+    text = "\n".join(file.read_text(encoding="utf-8") for file in files)
+    imported = re.findall(r"^from neol\.(\w+) import", text, re.MULTILINE)
+    below = {f"neol/{name}.py" for name in imported} & set(glob("neol/*.py"))
+    return sorted({*map(str, files), *below})
 
 
 def ask_otherwise(wildcards):
@@ -158,7 +165,7 @@ NOTEBOOKS = {
             "beyond_sensitivity",
         ),
         list(JOBS),
-        code(draws=True),
+        [*code(draws=True), *sorted(glob("config/sensitivity/*.yaml"))],
     ),
 }
 
