@@ -1,6 +1,5 @@
 """A drawn figure and what it was made from."""
 
-import io
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +8,7 @@ from matplotlib.figure import Figure
 
 from neol.analysis.runs import Source
 from neol.analysis.sidecar import write_sidecar
-from neol.analysis.style import drawing, save
+from neol.analysis.style import png, save
 from neol.files import write_atomically
 from neol.spec import Configuration
 
@@ -36,7 +35,4 @@ class Drawing:
         write_sidecar(outputs, self.configuration, self.sources)
 
     def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        with drawing():
-            self.figure.savefig(buffer, format="png", dpi=110)
-        return buffer.getvalue()
+        return png(self.figure)

@@ -22,6 +22,7 @@ from neol.files import write_atomically
 
 WIDTH = 7.2
 """Inches: a page's text width."""
+SCREEN_DPI = 110
 GREY = "0.35"
 COLOUR_MAP = mpl.colormaps["cividis"]
 
@@ -119,15 +120,24 @@ def save(figure: Figure, path: Path) -> list[Path]:
 
 
 def write_picture(figure: Figure, path: Path) -> None:
-    """Write a figure as what the path's suffix says: .pdf, .png or .svg.
+    """Write a figure as what the path's suffix says: .pdf, .png or .svg."""
+    write_atomically(path, rendered(figure, picture_kind(path)))
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as notebooks show it."""
+    return rendered(figure, "png", SCREEN_DPI)
+
+
+def rendered(figure: Figure, kind: str, dpi: int | None = None) -> bytes:
+    """A figure as a file of a kind: pdf, png or svg.
 
     The same bytes for the same picture: without date or version.
     """
-    kind = picture_kind(path)
     buffer = io.BytesIO()
     with drawing():
-        figure.savefig(buffer, format=kind, metadata=_METADATA[kind])
-    write_atomically(path, buffer.getvalue())
+        figure.savefig(buffer, format=kind, dpi=dpi, metadata=_METADATA[kind])
+    return buffer.getvalue()
 
 
 def picture_kind(path: Path) -> str:

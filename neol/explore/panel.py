@@ -6,7 +6,6 @@ one wherever it is read.
 
 import base64
 import html
-import io
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,11 +13,9 @@ from IPython.display import HTML, Image, display
 from ipywidgets import Button, VBox
 from matplotlib.figure import Figure
 
-from neol.analysis.style import drawing
+from neol.analysis.style import png
 from neol.champions.film import Film
 from neol.errors import UserError
-
-DPI = 110
 
 
 class Panel:
@@ -63,10 +60,7 @@ class Panel:
 def _displayable(picture: object) -> object:
     """What IPython shows alike everywhere: a figure as PNG, a film within HTML."""
     if isinstance(picture, Figure):
-        buffer = io.BytesIO()
-        with drawing():
-            picture.savefig(buffer, format="png", dpi=DPI)
-        return Image(buffer.getvalue())
+        return Image(png(picture))
     if isinstance(picture, Film):
         content = base64.b64encode(picture.gif).decode()
         return HTML(f'<img alt="a filmed episode" src="data:image/gif;base64,{content}">')

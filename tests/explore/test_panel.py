@@ -77,4 +77,5 @@ def test_figures_and_films_are_shown_alike_everywhere(output: Output) -> None:
     Panel(lambda: iter(drawn))._ipython_display_()
     figure, film = output.updates
     assert figure.data.startswith(b"\x89PNG")
+    assert b"Matplotlib" not in figure.data  # no version, as in no file
     assert 'src="data:image/gif;base64,R0lGODlh"' in film.data
