@@ -97,17 +97,24 @@ def outputs(kinds, *names):
     return expand(f"{FIGURES}/{{name}}.{{kind}}", name=names, kind=kinds)
 
 
-def code(*, draws):
-    """What a notebook's outputs depend on: a change of drawing makes no table anew.
+def with_imports(*files):
+    """Some files of code and those that they import: which cells there are, what a record holds.
 
-    With the analysis what it imports: which cells there are, what a record holds. Not what that stands on: a run.
+    Not what these stand on, which is all that makes a run.
     """
-    every = map(Path, glob("neol/analysis/*.py"))
-    files = [file for file in every if draws or file.stem not in DRAWING]
-    text = "\n".join(file.read_text(encoding="utf-8") for file in files)
-    imported = re.findall(r"^from neol\.(\w+) import", text, re.MULTILINE)
-    below = {f"neol/{name}.py" for name in imported} & set(glob("neol/*.py"))
-    return sorted({*map(str, files), *below})
+    text = "\n".join(Path(file).read_text(encoding="utf-8") for file in files)
+    modules = re.findall(r"^from (neol[\w.]+) import", text, re.MULTILINE)
+    paths = (Path(module.replace(".", "/")) for module in modules)
+    imported = (
+        path / "__init__.py" if path.is_dir() else f"{path}.py" for path in paths
+    )
+    return sorted({*files, *map(str, imported)})
+
+
+def code(*, draws):
+    """What a notebook's outputs depend on: a change of drawing makes no table anew."""
+    files = glob("neol/analysis/*.py")
+    return with_imports(*(f for f in files if draws or Path(f).stem not in DRAWING))
 
 
 def ask_otherwise(wildcards):

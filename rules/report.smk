@@ -6,7 +6,7 @@ repository has that of the largest budget whose runs are there.
 
 REPORT = f"{FIGURES}/report.html"
 PAPER = f"{'paper' if FIGURES == 'figures' else FIGURES}/reproduction.pdf"
-CHAMPIONS = f"build/{LABEL}/champions/champions.json"
+CHAMPIONS = f"build/{LABEL}/champions.json"
 PICTURES = [
     path
     for path in made_by("convergence", "heatmaps", "beyond")
@@ -25,7 +25,7 @@ rule report:
 
 rule showcase:
     input:
-        code=sorted(glob("neol/champions/*.py")) + ["neol/report/showcase.py"],
+        code=with_imports("neol/report/showcase.py", *glob("neol/champions/*.py")),
         records=shown("table3"),
     output:
         CHAMPIONS,
@@ -41,9 +41,8 @@ rule showcase:
     params:
         budget=BUDGET,
         tasks=TASKS,
-        folder=lambda wildcards, output: Path(output[0]).parent,
     shell:
-        "python -m neol.report.showcase {params.budget} --tasks '{params.tasks}' {params.folder} > {log} 2>&1"
+        "python -m neol.report.showcase {params.budget} --tasks '{params.tasks}' {output} > {log} 2>&1"
 
 
 rule report_page:
@@ -69,9 +68,8 @@ rule report_page:
         budget=BUDGET,
         tasks=TASKS,
         figures=lambda wildcards, output: Path(output[0]).parent,
-        champions=lambda wildcards, input: Path(input.champions).parent,
     shell:
-        "python -m neol.report.page {params.budget} --tasks '{params.tasks}' {params.figures} {params.champions} {output} > {log} 2>&1"
+        "python -m neol.report.page {params.budget} --tasks '{params.tasks}' {params.figures} {input.champions} {output} > {log} 2>&1"
 
 
 rule results_page:

@@ -57,7 +57,7 @@ class Judged:
 def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     """The report as HTML.
 
-    `figures` holds the budget's tables and figures, `champions` what `showcase` made.
+    `figures` holds the budget's tables and figures, `champions` is what `showcase` made.
     Raises UserError where a file is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
@@ -70,7 +70,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     beyond = [_figure(figures, f"beyond_{name}") for name in BEYOND]
     exhibits = [*paper_tables, *paper_figures, *beyond]
     records = {record.path: record for each in exhibits for record in each.origin.records}
-    showcase = _read_showcase(champions)
+    showcase = Showcase.model_validate_json(read(champions))
     commit, dirty = checkout(*INPUTS, "docs/assumptions.md")
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("neol.report", "."),
@@ -93,7 +93,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         tables=paper_tables,
         figures=paper_figures,
         beyond=beyond,
-        champions=[(shown, *_pictures(champions, shown)) for shown in showcase.champions],
+        champions=[(shown, *_pictures(shown)) for shown in showcase.champions],
         costs=costs(campaign),
         records=[records[path] for path in sorted(records)],
         assumptions=_markdown(ROOT / "docs" / "assumptions.md"),
@@ -134,16 +134,10 @@ def _judged(figures: Path) -> list[Judged]:
     ]
 
 
-def _read_showcase(champions: Path) -> Showcase:
-    return Showcase.model_validate_json(read(champions / "champions.json"))
-
-
-def _pictures(folder: Path, shown: Shown) -> tuple[str, str | None]:
+def _pictures(shown: Shown) -> tuple[str, str | None]:
     """The drawing of a champion's network, and its film where there is one."""
-    network = _data(read(folder / f"{shown.task}.png"), "image/png")
-    if shown.episode_return is None:
-        return network, None
-    return network, _data(read(folder / f"{shown.task}.gif"), "image/gif")
+    film = None if shown.film is None else _data(shown.film, "image/gif")
+    return _data(shown.network, "image/png"), film
 
 
 def _markdown(path: Path) -> markupsafe.Markup:

@@ -5,10 +5,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from pydantic import ConfigDict
 
 from neol.analysis.choice import candidates
 from neol.analysis.labels import method_label, task_label
 from neol.analysis.runs import Campaign
+from neol.analysis.style import rendered
 from neol.campaign import RESULTS, Cell, blocks
 from neol.champions.drawing import network_figure
 from neol.champions.film import film
@@ -20,7 +22,9 @@ from neol.report.inputs import command_line
 
 
 class Shown(Model):
-    """A champion of the report; its pictures lie beside it as <task>.png and <task>.gif."""
+    """A champion of the report, with its pictures."""
+
+    model_config = ConfigDict(ser_json_bytes="base64", val_json_bytes="base64")
 
     task: str
     record: str
@@ -39,10 +43,14 @@ class Shown(Model):
     """Of the filmed episode, the median one of these; null where it was not filmed."""
     not_filmed: str | None
     """Why."""
+    network: bytes
+    """Drawn, as PNG."""
+    film: bytes | None
+    """Of that episode, as GIF."""
 
 
 class Showcase(Model):
-    """champions.json."""
+    """What the report shows of a budget's champions: the content of champions.json."""
 
     champions: tuple[Shown, ...]
 
@@ -60,30 +68,27 @@ def best_champion(campaign: Campaign, task: str) -> tuple[Cell, int] | None:
     return max(found, key=lambda each: each[0])[1:] if found else None
 
 
-def show(campaign: Campaign, results: Path, folder: Path) -> Iterator[Shown]:
-    """Draw and film the best champion of each of a budget's tasks; write what the report needs."""
+def show(campaign: Campaign, results: Path) -> Iterator[Shown]:
+    """The best champion of each of a budget's tasks, drawn and filmed."""
     records = {
         (block.cell, seed): block.record
         for block in blocks(campaign.configuration)
         for seed in block.seeds
     }
-    folder.mkdir(parents=True, exist_ok=True)
     for task in campaign.configuration.budget.tasks:
         best = best_champion(campaign, task)
         if best is None:
             continue
         record = records[best]
         player = load_champion(results / record.relative_to(RESULTS), best[1])
-        network_figure(player).savefig(folder / f"{task}.png", dpi=160)
         shown = _shown(player, best[0], record)
         try:
             filmed = film(player, _median_episode(player))
         except UserError as reason:
             shown = shown.model_copy(update={"not_filmed": str(reason)})
         else:
-            write_atomically(folder / f"{task}.gif", filmed.gif)
             episode_return = filmed.trace.episode_return
-            shown = shown.model_copy(update={"episode_return": episode_return})
+            shown = shown.model_copy(update={"episode_return": episode_return, "film": filmed.gif})
         yield shown
 
 
@@ -102,6 +107,8 @@ def _shown(player: Player, cell: Cell, record: Path) -> Shown:
         held_out=float(np.nanmean(returns)),
         episode_return=None,
         not_filmed=None,
+        network=rendered(network_figure(player), "png"),
+        film=None,
     )
 
 
@@ -112,11 +119,11 @@ def _median_episode(player: Player) -> int:
     return player.held_out_seeds[int(order[(len(order) - 1) // 2])]
 
 
-def write_showcase(campaign: Campaign, folder: Path) -> None:
-    """Write the champions of a budget: champions.json, and each one's pictures."""
-    champions = Showcase(champions=tuple(show(campaign, RESULTS, folder)))
-    write_atomically(folder / "champions.json", champions.model_dump_json(indent=1).encode())
+def write_showcase(campaign: Campaign, output: Path) -> None:
+    """Write the champions of a budget."""
+    champions = Showcase(champions=tuple(show(campaign, RESULTS)))
+    write_atomically(output, champions.model_dump_json(indent=1).encode())
 
 
 if __name__ == "__main__":
-    command_line("neol.report.showcase", __doc__, write_showcase, folder="for what it writes")
+    command_line("neol.report.showcase", __doc__, write_showcase, output="the file")

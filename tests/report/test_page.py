@@ -1,5 +1,7 @@
 """The report page: what it says, that it is one file, and that a browser shows it."""
 
+import base64
+import io
 import re
 import shutil
 from collections import Counter
@@ -71,19 +73,24 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
 @pytest.fixture(scope="module")
 def champions(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One that was filmed and one that was not."""
-    folder = tmp_path_factory.mktemp("champions")
+    path = tmp_path_factory.mktemp("champions") / "champions.json"
     record = campaign.sources(cells(campaign.configuration))[0].path
     filmed = Shown(
         task="cartpole", record=record, seed=1, title="CartPole: <BCM>, seed 1",
         nodes=2, connections=8, fitness=9.0, held_out=8.0, episode_return=8.0, not_filmed=None,
+        network=picture("png"), film=picture("gif"),
     )  # fmt: skip
-    reason = {"task": "hopper", "episode_return": None, "not_filmed": "no EGL here"}
+    reason = {"task": "hopper", "episode_return": None, "not_filmed": "no EGL", "film": None}
     unfilmed = filmed.model_copy(update=reason)
-    for name in ("cartpole.png", "cartpole.gif", "hopper.png"):
-        Image.new("L", (600, 200), 200).save(folder / name)
     showcase = Showcase(champions=(filmed, unfilmed))
-    (folder / "champions.json").write_text(showcase.model_dump_json())
-    return folder
+    path.write_text(showcase.model_dump_json())
+    return path
+
+
+def picture(kind: str) -> bytes:
+    buffer = io.BytesIO()
+    Image.new("L", (600, 200), 200).save(buffer, format=kind)
+    return buffer.getvalue()
 
 
 @pytest.fixture(scope="module")
@@ -128,6 +135,9 @@ def test_every_section_is_there_and_every_link_resolves(text: str) -> None:
 def test_it_is_one_file(text: str) -> None:
     outline = Outline(text)
     assert all(source.startswith("data:image/") for source in outline.sources)
+    for kind in ("png", "gif"):
+        content = base64.b64encode(picture(kind)).decode()
+        assert f"data:image/{kind};base64,{content}" in outline.sources
     assert not re.search(r"(?:src|href)\s*=(?!\"#|\"data:)", text)
     assert "url(" not in text
     assert "@import" not in text
@@ -156,7 +166,7 @@ def test_an_open_claim_has_one_part_that_it_hangs_on_and_what_would_decide_it(te
 
 def test_foreign_text_is_escaped_and_an_unfilmed_champion_says_why(text: str) -> None:
     assert "CartPole: &lt;BCM&gt;, seed 1" in text
-    assert "Not filmed: no EGL here" in text
+    assert "Not filmed: no EGL" in text
 
 
 def test_every_record_is_listed_once_with_its_digest(text: str, campaign: Campaign) -> None:
@@ -168,7 +178,7 @@ def test_every_record_is_listed_once_with_its_digest(text: str, campaign: Campai
 
 def test_a_missing_picture_is_said(campaign: Campaign, figures: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"champions\.json: cannot be read .*make report"):
-        page(campaign, figures, tmp_path)
+        page(campaign, figures, tmp_path / "champions.json")
 
 
 @pytest.mark.parametrize("name", ["table1.csv", "figure2.png", "claims.csv"])
