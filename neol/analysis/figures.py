@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import seaborn
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize, to_rgba
 from matplotlib.figure import Figure
@@ -101,18 +102,25 @@ def heatmaps(
         for position, method in enumerate(methods):
             mean, count = grids[method]
             axis = figure.add_subplot(layout[-len(mean) :, position])
-            image = axis.imshow(mean, cmap=COLOUR_MAP, norm=scale, origin="lower", aspect="auto")
+            seaborn.heatmap(
+                mean,
+                ax=axis,
+                cmap=COLOUR_MAP,
+                vmin=scale.vmin,
+                vmax=scale.vmax,
+                cbar=False,
+                linewidths=0.8,
+                xticklabels=populations,
+                yticklabels=[f"{rate:g}" for rate in learning_rates] if position == 0 else [],
+            )
+            axis.invert_yaxis()
             axis.set_title(method_label(method)).set_in_layout(len(mean) > 1)
-            axis.set_xticks(range(len(populations)), [str(each) for each in populations])
             axis.set_xlabel("Population size")
-            rates = [f"{rate:g}" for rate in learning_rates] if position == 0 else []
-            axis.set_yticks(range(len(rates)), rates)
-            axis.tick_params(length=0)
-            axis.spines[:].set_visible(False)
-            _separate(axis, mean.shape)
+            axis.tick_params(length=0, rotation=0)
             _write_cells(axis, mean, count, seeds, scale)
             axes.append(axis)
         axes[0].set_ylabel("Learning rate")
+        image = axes[0].collections[0]
         bar = figure.colorbar(image, ax=axes, fraction=0.02, pad=0.01, aspect=14)
         bar.outline.set_visible(False)
         bar.locator = MaxNLocator(4)
@@ -231,26 +239,19 @@ def _write_cells(axis: Axes, mean: Floats, count: Floats, seeds: int, scale: Nor
         if 0 < there < seeds:
             text += f"\n{there}/{seeds}"
         size = min(7.0, 39.0 / len(text.splitlines()[0]))  # a cell is narrow where there are four
-        label = axis.text(
-            column, row, text, ha="center", va="center", fontsize=size, color=ink, linespacing=1
-        )
+        label = axis.text(column + 0.5, row + 0.5, text, ha="center", va="center",
+                          fontsize=size, color=ink, linespacing=1)  # fmt: skip
         if there < seeds:
             ground = COLOUR_MAP(scale(value)) if there else "white"
             label.set_bbox({"facecolor": ground, "edgecolor": "none", "pad": 0.6})
-            axis.add_patch(_frame(row, column, 0.5, hatch="////", edgecolor=ink, linewidth=0.8))
+            axis.add_patch(_frame(row, column, 0.0, hatch="////", edgecolor=ink, linewidth=0.8))
         if highest[row, column] and highest.sum() == 1:
-            axis.add_patch(_frame(row, column, 0.465, edgecolor=ink, linewidth=1.1))
+            axis.add_patch(_frame(row, column, 0.035, edgecolor=ink, linewidth=1.1))
 
 
-def _separate(axis: Axes, shape: tuple[int, ...]) -> None:
-    rows, columns = shape
-    axis.vlines(np.arange(columns - 1) + 0.5, -0.5, rows - 0.5, color="white", linewidth=0.8)
-    axis.hlines(np.arange(rows - 1) + 0.5, -0.5, columns - 0.5, color="white", linewidth=0.8)
-
-
-def _frame(row: int, column: int, half: float, *, linewidth: float = 0, **style: Any) -> Rectangle:
-    corner = column - half, row - half
-    return Rectangle(corner, 2 * half, 2 * half, fill=False, linewidth=linewidth, **style)
+def _frame(row: int, column: int, inset: float, *, linewidth: float = 0, **style: Any) -> Rectangle:
+    corner, side = (column + inset, row + inset), 1 - 2 * inset
+    return Rectangle(corner, side, side, fill=False, linewidth=linewidth, **style)
 
 
 def _tint(colour: str) -> tuple[float, float, float, float]:
