@@ -6,7 +6,7 @@ from glob import glob
 from pathlib import Path
 
 from neol.analysis.choice import candidates
-from neol.analysis.labels import HEATMAPS
+from neol.analysis.labels import BEYOND, heatmaps_of
 from neol.campaign import blocks
 from neol.cost import walltime_minutes
 from neol.errors import UserError
@@ -128,11 +128,7 @@ def ask_otherwise(wildcards):
     sys.exit(f"neol: {path} does not show {LABEL}: ask for {FIGURES}/{path.name}")
 
 
-heatmaps = [
-    f"figure{number}"
-    for number, (task, _) in HEATMAPS.items()
-    if task in CONFIGURATION.budget.tasks
-]
+heatmaps = [f"figure{number}" for number in heatmaps_of(CONFIGURATION.budget)]
 # Each notebook: what it makes, the records that it reads, the code that it stands on.
 NOTEBOOKS = {
     "tables": (
@@ -162,15 +158,7 @@ NOTEBOOKS = {
         [*code(draws=False), "paper/claims.yaml"],
     ),
     "beyond": (
-        outputs(
-            (*FIGURE, "csv"),
-            "beyond_effects",
-            "beyond_aggregates",
-            "beyond_profiles",
-            "beyond_efficiency",
-            "beyond_selection",
-            "beyond_sensitivity",
-        ),
+        outputs((*FIGURE, "csv"), *BEYOND),
         list(JOBS),
         [*code(draws=True), *sorted(glob("config/sensitivity/*.yaml"))],
     ),

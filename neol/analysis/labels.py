@@ -19,6 +19,20 @@ HEATMAPS = {
     **{8 + position: (task, "score") for position, task in enumerate(TASKS)},
 }
 """The paper's Figures 4 to 11: task and outcome of each."""
+BEYOND = (
+    "beyond_effects",
+    "beyond_aggregates",
+    "beyond_profiles",
+    "beyond_efficiency",
+    "beyond_selection",
+    "beyond_sensitivity",
+)
+"""The figures that the paper does not have."""
+
+
+def heatmaps_of(budget: Budget) -> list[int]:
+    """The numbers of the heat maps whose tasks a budget has."""
+    return [number for number, (task, _) in HEATMAPS.items() if task in budget.tasks]
 
 
 def challengers(budget: Budget) -> tuple[str, ...]:

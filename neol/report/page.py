@@ -16,7 +16,7 @@ from markdown_it import MarkdownIt
 
 from neol.analysis.captions import describe_budget, lacking
 from neol.analysis.claims import Claim, load_claims
-from neol.analysis.labels import HEATMAPS
+from neol.analysis.labels import BEYOND, heatmaps_of
 from neol.analysis.runs import Campaign
 from neol.analysis.sidecar import INPUTS, Sidecar
 from neol.files import write_atomically
@@ -30,7 +30,6 @@ from neol.selection import snakemake_options
 from neol.spec import ROOT
 
 CAPTIONS = ROOT / "paper" / "captions"
-BEYOND = ("effects", "aggregates", "profiles", "efficiency", "selection", "sensitivity")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +61,10 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     """
     configuration = campaign.configuration
     judged = _judged(figures)
-    heatmaps = [
-        number for number, (task, _) in HEATMAPS.items() if task in configuration.budget.tasks
-    ]
     paper_tables = [_table(campaign, figures, number) for number in range(1, 9)]
-    paper_figures = [_figure(figures, f"figure{number}") for number in (2, 3, *heatmaps)]
-    beyond = [_figure(figures, f"beyond_{name}") for name in BEYOND]
+    numbers = 2, 3, *heatmaps_of(configuration.budget)
+    paper_figures = [_figure(figures, f"figure{number}") for number in numbers]
+    beyond = [_figure(figures, name) for name in BEYOND]
     exhibits = [*paper_tables, *paper_figures, *beyond]
     records = {record.path: record for each in exhibits for record in each.origin.records}
     showcase = Showcase.model_validate_json(read(champions))

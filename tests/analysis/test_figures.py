@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from neol.analysis.figures import convergence, heatmaps
+from neol.analysis.labels import heatmaps_of
 from neol.analysis.paper_figures import figure3, heatmap
 from neol.analysis.runs import Campaign
 from neol.analysis.style import STYLES, save
@@ -157,6 +158,10 @@ def test_a_heatmap_says_its_own_steps_and_what_score_rewards(tmp_path: Path) -> 
 
 def test_figure_3_says_where_its_colours_are_not_the_papers(tmp_path: Path) -> None:
     assert "NEAT (w/o) is purple" in footer(figure3(Campaign(configuration(), tmp_path)).figure)
+
+
+def test_a_budget_has_the_heat_maps_of_its_tasks() -> None:
+    assert heatmaps_of(configuration(tasks=("cartpole", "hopper")).budget) == [4, 6, 8, 10]
 
 
 def test_panels_share_a_scale() -> None:

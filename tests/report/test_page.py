@@ -16,13 +16,14 @@ from PIL import Image
 
 from neol.analysis import tables
 from neol.analysis.claims import decide, load_claims
+from neol.analysis.labels import BEYOND
 from neol.analysis.ledger import write_ledger
 from neol.analysis.outcomes import gather
 from neol.analysis.runs import Campaign
 from neol.analysis.sidecar import write_sidecar
 from neol.campaign import cells
 from neol.errors import UserError
-from neol.report.page import BEYOND, page
+from neol.report.page import page
 from neol.report.showcase import Showcase, Shown, best_champion
 from tests.analysis.made_up import configuration, write_campaign
 
@@ -60,7 +61,7 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
         "figure3",
         "figure4",
         "figure8",
-        *(f"beyond_{each}" for each in BEYOND),
+        *BEYOND,
     ):
         Image.new("L", (900, 300), 128).save(folder / f"{name}.png")
         write_sidecar([folder / f"{name}.png"], campaign.configuration, sources)

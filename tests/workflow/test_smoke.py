@@ -20,10 +20,9 @@ import pytest
 import yaml
 
 from neol.analysis.choice import candidates
-from neol.analysis.labels import HEATMAPS
+from neol.analysis.labels import BEYOND, HEATMAPS
 from neol.campaign import blocks
 from neol.records import read_record, write_record
-from neol.report.page import BEYOND
 from neol.spec import load_configuration
 from neol.trace import trace
 from tests.report.test_page import Outline
@@ -139,10 +138,7 @@ PAPER = ("paper" if FIGURES.name == "figures" else FIGURES) / Path("reproduction
 HAS_LATEX = shutil.which("latexmk") is not None
 NEEDS_LATEX = pytest.mark.skipif(not HAS_LATEX, reason="no LaTeX on this machine")
 TABLES = [*(f"table{number}" for number in range(1, 9)), "claims"]
-PICTURES = [
-    *(f"figure{number}" for number in (2, 3, *HEATMAPS)),
-    *(f"beyond_{name}" for name in BEYOND),
-]
+PICTURES = [*(f"figure{number}" for number in (2, 3, *HEATMAPS)), *BEYOND]
 
 
 @pytest.fixture(scope="module")
