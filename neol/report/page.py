@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import markupsafe
 from markdown_it import MarkdownIt
 
@@ -26,6 +25,7 @@ from neol.report import open_claims
 from neol.report.costs import costs
 from neol.report.inputs import command_line, read, vouched, vouched_frame, vouched_table
 from neol.report.showcase import Showcase, Shown
+from neol.report.templates import render
 from neol.selection import snakemake_options
 from neol.spec import ROOT
 
@@ -69,15 +69,8 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     records = {record.path: record for each in exhibits for record in each.origin.records}
     showcase = Showcase.model_validate_json(read(champions))
     commit, dirty = checkout(*INPUTS, "docs/assumptions.md")
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("neol.report", "."),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["short"] = lambda digest: digest[:12]
-    return environment.get_template("page.html.j2").render(
+    return render(
+        "page.html.j2",
         project=metadata(),
         budget=configuration.budget,
         options=snakemake_options(configuration.budget),

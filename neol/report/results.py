@@ -8,7 +8,6 @@ from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import pandas as pd
 
 from neol.analysis.captions import describe_budget, lacking
@@ -20,6 +19,7 @@ from neol.files import write_atomically
 from neol.report import open_claims, words
 from neol.report.costs import costs
 from neol.report.inputs import command_line, vouched, vouched_frame, vouched_table
+from neol.report.templates import render
 from neol.selection import snakemake_options
 
 
@@ -34,14 +34,8 @@ def page(campaign: Campaign, figures: Path, picture: str) -> str:
     effects = vouched_frame(figures / "beyond_effects.csv")
     spent = costs(campaign)
     estimated = open_claims.core_hours(configuration, configuration.budget.seeds)
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("neol.report", "."),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template("results.md.j2").render(
+    return render(
+        "results.md.j2",
         options=snakemake_options(configuration.budget),
         described=describe_budget(configuration),
         lacking=lacking(campaign),

@@ -36,7 +36,8 @@ def test_tables_and_effects_are_there(text: str) -> None:
 
 
 def test_tables_are_tables(text: str) -> None:
-    """A blank line before, as many cells in each line, none after the last."""
+    """A blank line before, as many cells in each line, none after the last; Table 1 as HTML."""
+    assert text.count("<table>") == text.count("</table>") == 1
     for table in re.findall(r"(?:^\|.*\n)+", text, re.M):
         assert f"\n\n{table}" in text
         assert len({line.count("|") for line in table.splitlines()}) == 1
