@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from neol.analysis.labels import drawn, method_label, task_label
 from neol.analysis.style import GREY, WIDTH, drawing
 from neol.champions.graph import Edge, Graph, graph
-from neol.champions.names import names
 from neol.champions.player import Floats, Player, Trace
+from neol.environments import names
 from neol.errors import UserError
 
 COOL_TO_WARM = LinearSegmentedColormap.from_list(

@@ -11,8 +11,8 @@ from typing import Literal
 import gymnasium
 import numpy as np
 
-from neol.champions.names import names
 from neol.champions.player import Player
+from neol.environments import names
 from neol.model import Model
 from neol.rollout.reference import make_environment
 

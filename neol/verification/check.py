@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from neol.environments import size_of
 from neol.errors import UserError
 from neol.files import read_bounded
 from neol.jobs import SENSITIVITY
@@ -24,15 +25,6 @@ from neol.verification.places import Budgets, ManifestFolders, absolute
 
 ROUNDING = 1e-9
 """Relative: what is smaller may come from adding up in another order."""
-
-SIZES = {
-    "CartPole-v1": (4, 2),
-    "LunarLander-v3": (8, 4),
-    "Hopper-v4": (11, 3),
-    "BipedalWalker-v3": (24, 4),
-    "BipedalWalkerHardcore-v3": (24, 4),
-}
-"""Inputs and outputs in the paper's environments: making one to ask it takes seconds."""
 
 Rows = dict[str, Any]
 """The columns of a run."""
@@ -141,10 +133,11 @@ class Verification:
 def _check_run(path: Path, record: Record, info: SeedInfo) -> Iterator[Finding]:
     """What no run can have come to, sealed or not."""
     rows = record.rows_of(info.seed)
-    size = SIZES.get(record.spec.task.environment)
+    environment = record.spec.task.environment
+    size = size_of(environment)
     if size and size != (info.inputs, info.outputs):
         values = f"{info.inputs} inputs, {info.outputs} outputs"
-        meaning = f"{record.spec.task.environment} has {size[0]} and {size[1]}: edited"
+        meaning = f"{environment} has {size[0]} and {size[1]}: edited"
         yield Finding(path, meaning, info.seed, values=values)
     for column, possible, meaning in _possible(rows, record.spec, info):
         if not possible.all():

@@ -18,7 +18,7 @@ from neol.champions.drawing import (
     title,
 )
 from neol.champions.graph import graph
-from neol.champions.names import NAMES
+from neol.environments import NAMES
 from neol.errors import UserError
 from tests.champions.conftest import MakePlayer
 

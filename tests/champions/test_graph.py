@@ -3,8 +3,8 @@
 import numpy as np
 
 from neol.champions.graph import edges, graph, layers
-from neol.champions.names import NAMES, names
 from neol.champions.player import Player
+from neol.environments import NAMES, names
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool, decode
 from neol.rollout.reference import network_size
 from neol.spec import load_configuration

@@ -59,6 +59,14 @@ NAMES = {
 """Of inputs and of outputs, by Gymnasium id."""
 
 
+def size_of(environment: str) -> tuple[int, int] | None:
+    """How many inputs and outputs one of these has: to make one and ask it takes seconds."""
+    if environment not in NAMES:
+        return None
+    inputs, outputs = NAMES[environment]
+    return len(inputs), len(outputs)
+
+
 def names(task: Task, inputs: int, outputs: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The names of inputs and outputs; "input 1" and the like where the task has none."""
     if task.environment in NAMES:
