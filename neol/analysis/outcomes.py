@@ -1,6 +1,6 @@
 """What every run of a budget came to: one row a run, from which all statistics are made."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -83,25 +83,17 @@ def gather(campaign: Campaign) -> Outcomes:
     """The outcomes of all runs of a campaign."""
     configuration = campaign.configuration
     grid = tuple(cells(configuration))
-    rows = []
-    for cell in grid:
-        outcomes = {metric: campaign.values(cell, metric) for metric in _OWN}
-        rows += [
-            (cell.task, cell.method, cell.population, _rate(cell), seed, *row)
-            for seed, *row in zip(
-                outcomes["score"], *map(dict.values, outcomes.values()), strict=True
-            )
-        ]
-    columns = ["task", "method", "population", "learning_rate", "seed", *_OWN]
-    runs = pd.DataFrame(rows, columns=columns).astype({"learning_rate": np.float64})
-    equal = {}
-    for task in configuration.budget.tasks:
-        here = [cell for cell in grid if cell.task == task]
-        for metric, column in EQUAL.items():
-            equal[task, metric] = equal_range(campaign, here, column)
-            runs.loc[runs["task"] == task, metric] = _at_equal(campaign, here, column)
+    equal = {
+        (task, metric): equal_range(campaign, [cell for cell in grid if cell.task == task], column)
+        for task in configuration.budget.tasks
+        for metric, column in EQUAL.items()
+    }
+    rows = [row for cell in grid for row in _rows(campaign, cell, equal)]
+    columns = ["task", "method", "population", "learning_rate", "seed", *_OWN, *EQUAL]
     return Outcomes(
-        runs,
+        pd.DataFrame(rows, columns=columns).astype(
+            dict.fromkeys(["learning_rate", *METRICS], np.float64)
+        ),
         grid,
         {setting: candidates(configuration, setting) for setting in SETTINGS},
         configuration.budget,
@@ -126,17 +118,18 @@ def equal_range(campaign: Campaign, compared: Iterable[Cell], column: str) -> tu
     return float(max(first)), float(min(last))
 
 
-def _at_equal(campaign: Campaign, compared: Sequence[Cell], column: str) -> list[float]:
-    first, last = equal_range(campaign, compared, column)
-    return [
-        mean_best_so_far(run["best_fitness"], run[column], first, last)
-        for cell in compared
-        for _, run in campaign.runs(cell).rows.groupby("seed")
-    ]
-
-
-def _rate(cell: Cell) -> float:
-    return float("nan") if cell.learning_rate is None else cell.learning_rate
+def _rows(
+    campaign: Campaign, cell: Cell, equal: Mapping[tuple[str, str], tuple[float, float]]
+) -> Iterator[tuple[object, ...]]:
+    """What each run of a cell came to."""
+    own = [campaign.values(cell, metric) for metric in _OWN]
+    for seed, run in campaign.runs(cell).rows.groupby("seed"):
+        at_equal = [
+            mean_best_so_far(run["best_fitness"], run[column], *equal[cell.task, metric])
+            for metric, column in EQUAL.items()
+        ]
+        place = cell.task, cell.method, cell.population, cell.learning_rate, seed
+        yield *place, *(values[int(seed)] for values in own), *at_equal  # type: ignore[arg-type]
 
 
 def _cell(task: str, method: str, population: int, learning_rate: float) -> Cell:

@@ -34,6 +34,21 @@ def test_the_outcomes_of_a_run_by_hand(tmp_path: Path) -> None:
     assert outcomes.values(OJA, "equal_steps").tolist() == [4, 6, 11]
 
 
+def test_outcomes_are_joined_by_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In whatever order each of them comes."""
+    values = Campaign.values
+
+    def reversed_values(self: Campaign, cell: Cell, metric: str) -> dict[int, float]:
+        found = values(self, cell, metric)
+        return found if metric == "final_best" else dict(reversed(found.items()))
+
+    monkeypatch.setattr(Campaign, "values", reversed_values)
+    outcomes = collected(tmp_path, {OJA: [2.0, 4.0, 9.0]})
+    assert outcomes.values(OJA, "final_best").tolist() == [2, 4, 9]
+    assert outcomes.values(OJA, "held_out").tolist() == [1, 3, 8]
+    assert outcomes.values(OJA, "equal_steps").tolist() == [4, 6, 11]
+
+
 def test_every_run_has_a_row(tmp_path: Path) -> None:
     outcomes = collected(tmp_path, {})
     assert len(outcomes.runs) == len(outcomes.cells) * 3
