@@ -1,4 +1,4 @@
-"""Files that are whole or not there: atomic writing, bounded reading; folders."""
+"""Files that are whole or not there: atomic writing, bounded reading; the cache's folder."""
 
 import contextlib
 import hashlib
@@ -65,15 +65,6 @@ def read_bounded(path: Path, limit: int) -> bytes:
     if len(content) > limit:
         raise UserError(f"{path}: larger than {limit} bytes, so not a file of neol's")
     return content
-
-
-def folder(name: object) -> Path:
-    """A folder as a notebook's parameter names it. Raises UserError for what is no text."""
-    if not isinstance(name, str | Path):
-        raise UserError(
-            f"{name!r}: no name of a folder; papermill passes even a number as text after -r"
-        )
-    return Path(name)
 
 
 def sha256(path: Path) -> str:

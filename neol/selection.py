@@ -27,6 +27,15 @@ def select(budget: str = SHOWN_BUDGET, tasks: str = "") -> Configuration:
     return with_tasks(configuration, [task for task in all_tasks if task in chosen])
 
 
+def folder(name: object) -> Path:
+    """A folder as a notebook's parameter names it. Raises UserError for what is no text."""
+    if not isinstance(name, str | Path):
+        raise UserError(
+            f"{name!r}: no name of a folder; papermill passes even a number as text after -r"
+        )
+    return Path(name)
+
+
 def with_tasks(configuration: Configuration, tasks: Sequence[str]) -> Configuration:
     """The same budget with other tasks."""
     budget = configuration.budget.model_copy(update={"tasks": tuple(tasks)})

@@ -12,7 +12,6 @@ from neol.errors import UserError
 from neol.files import (
     cache_folder,
     files_below,
-    folder,
     read_bounded,
     sha256,
     temporary_cache_folder,
@@ -90,12 +89,6 @@ def test_too_large_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"four")
     with pytest.raises(UserError, match="larger than 3 bytes"):
         read_bounded(tmp_path / "a", 3)
-
-
-def test_a_folder_has_a_name() -> None:
-    assert folder("a/b") == folder(Path("a/b")) == Path("a/b")
-    with pytest.raises(UserError, match=r"^5: no name of a folder; papermill"):
-        folder(5)
 
 
 def test_links_are_followed_but_not_around(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from neol.selection import (
     SHOWN_BUDGET,
     chosen_tasks,
     figures_folder,
+    folder,
     label,
     select,
     snakemake_options,
@@ -58,3 +59,9 @@ def test_a_task_that_the_budget_lacks(tasks: str, line: str) -> None:
     with pytest.raises(UserError) as error:
         select("demo", tasks)
     assert str(error.value).startswith(line)
+
+
+def test_a_folder_has_a_name() -> None:
+    assert folder("a/b") == folder(Path("a/b")) == Path("a/b")
+    with pytest.raises(UserError, match=r"^5: no name of a folder; papermill"):
+        folder(5)

@@ -25,9 +25,9 @@ from neol.analysis.claims import CLAIMS, load_claims
 from neol.checkpoint import Arrays, Cost
 from neol.columns import SCHEMA
 from neol.errors import UserError
-from neol.files import folder
 from neol.plain_yaml import parse_yaml
 from neol.records import read_record, read_spec
+from neol.selection import folder
 from neol.spec import CONFIG, load_configuration
 from neol.trace import trace
 from neol.verification import manifest
