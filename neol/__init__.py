@@ -63,9 +63,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from neol.analysis.catalogue import table_of_runs
     from neol.champions.player import Player, load_champion
     from neol.errors import UserError
-    from neol.explore.runs import table_of_runs
     from neol.record import Record
     from neol.records import read_record, write_record
     from neol.rules import rule
@@ -73,9 +73,9 @@ if TYPE_CHECKING:
     from neol.spec import Configuration, RunSpec, load_configuration
 
 _MODULES = {
+    "neol.analysis.catalogue": ("table_of_runs",),
     "neol.champions.player": ("Player", "load_champion"),
     "neol.errors": ("UserError",),
-    "neol.explore.runs": ("table_of_runs",),
     "neol.record": ("Record",),
     "neol.records": ("read_record", "write_record"),
     "neol.rules": ("rule",),

@@ -6,6 +6,7 @@ Rows are generations, one per seed. The file's metadata hold, under the key "neo
 
 import hashlib
 import io
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from pydantic import ValidationError
 from neol.columns import SCHEMA, column_values
 from neol.complaint import one_line
 from neol.errors import UserError
-from neol.files import open_regular, read_bounded, write_atomically
+from neol.files import files_below, open_regular, read_bounded, write_atomically
 from neol.model import Model
 from neol.neat.check import check_genome
 from neol.record import Record, SeedInfo
@@ -84,6 +85,13 @@ def parse_record(path: Path, content: bytes, spec: RunSpec | None = None) -> Rec
         raise _unusable(path, f"damaged: {one_line(error, root)}") from None
     except Exception as error:
         raise _unusable(path, f"damaged: {error}") from None
+
+
+def records_below(folder: Path) -> Iterator[Path]:
+    """The records in a folder and those below it, sorted; work in progress left out."""
+    for path in sorted(files_below(folder, "*.parquet"), key=Path.as_posix):
+        if not any(part.endswith(".partial") for part in path.relative_to(folder).parts[:-1]):
+            yield path
 
 
 def read_spec(path: Path) -> dict[str, Any]:

@@ -6,8 +6,9 @@ from typing import Any
 import traitlets
 from ipywidgets import Dropdown, HBox, Layout
 
+from neol.analysis.catalogue import find_records
 from neol.champions.player import Player
-from neol.explore.runs import find_records, load_player, load_record
+from neol.explore.runs import load_player, load_record
 
 
 class RunChoice(HBox):  # type: ignore[misc]

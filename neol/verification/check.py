@@ -17,10 +17,9 @@ from neol.errors import UserError
 from neol.files import read_bounded
 from neol.jobs import SENSITIVITY
 from neol.record import HeldOut, Record, SeedInfo
-from neol.records import MAX_BYTES, parse_record
+from neol.records import MAX_BYTES, parse_record, records_below
 from neol.spec import RunSpec
 from neol.verification import manifest
-from neol.verification.manifest import records_below
 from neol.verification.places import Budgets, ManifestFolders, absolute
 
 ROUNDING = 1e-9

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Literal, Self
 
@@ -12,12 +11,12 @@ from pydantic_core import PydanticCustomError
 from neol.campaign import RESULTS
 from neol.complaint import one_line
 from neol.errors import UserError
-from neol.files import files_below, read_bounded, write_atomically
+from neol.files import read_bounded, write_atomically
 from neol.jobs import Job, jobs
 from neol.model import Model
 from neol.record import Record
 from neol.records import MAX_BYTES as MAX_RECORD_BYTES
-from neol.records import parse_record
+from neol.records import parse_record, records_below
 from neol.spec import budgets, load_configuration
 
 NAME = "manifest.json"
@@ -67,13 +66,6 @@ class Manifest(Model):
     """That all of them belong to."""
     records: tuple[Entry, ...]
     """By path."""
-
-
-def records_below(folder: Path) -> Iterator[Path]:
-    """The records in a folder and those below it, sorted; work in progress left out."""
-    for path in sorted(files_below(folder, "*.parquet"), key=Path.as_posix):
-        if not any(part.endswith(".partial") for part in path.relative_to(folder).parts[:-1]):
-            yield path
 
 
 def records_of(budget: str | None) -> dict[str, Job]:

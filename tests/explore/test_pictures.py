@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 from matplotlib.axes import Axes
 
+from neol.analysis.catalogue import table_of_runs
 from neol.analysis.statistics import mean_interval
 from neol.errors import UserError
 from neol.explore.pictures import learning_curves, outcomes, switched_off
-from neol.explore.runs import load_player, table_of_runs
+from neol.explore.runs import load_player
 from neol.run import run_block
 from tests.analysis.made_up import configuration, write_campaign
 from tests.explore.test_runs import BEST

@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 import traitlets
 
+from neol.analysis.catalogue import find_records, table_of_runs
 from neol.campaign import RESULTS, Cell, blocks
 from neol.errors import UserError
 from neol.explore.choice import RunChoice
-from neol.explore.runs import episode_seed, find_records, load_player, table_of_runs
+from neol.explore.runs import episode_seed, load_player
 from neol.records import write_record
 from neol.sensitivity import trials
 from tests.analysis.made_up import configuration, run, write_campaign
