@@ -48,7 +48,7 @@ CLAIMS = ROOT / "paper" / "claims.yaml"
 LEAST_SEEDS = 5
 TOO_FEW = f"fewer than {LEAST_SEEDS} seeds"
 SEEDS_MISSING = "seeds are missing"
-NOT_IN_BUDGET = "not in this budget"
+NO_SUCH_CELL = "no such cell here"
 TOO_SHORT = f"fewer than {PAPER_GENERATIONS} generations"
 NO_COMMON_RANGE = "no cost that all runs have in common"
 UNEQUAL_TASKS = "tasks of different numbers of generations"
@@ -155,7 +155,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     cells = [cell for cell in part.cells if cell is not None]
     missing = any(outcomes.missing(cell) for cell in (*cells, *part.among))
     if len(cells) < len(part.cells):
-        return Finding(part, "undecided", SEEDS_MISSING if missing else NOT_IN_BUDGET)
+        return Finding(part, "undecided", SEEDS_MISSING if missing else NO_SUCH_CELL)
     samples = [outcomes.values(cell, part.metric) for cell in cells]
     seeds = min(map(len, samples))
     if any(np.isnan(outcomes.values(each, part.metric)).any() for each in (*cells, *part.among)):

@@ -9,7 +9,7 @@ import pandas as pd
 
 from neol.analysis.claims import (
     NO_COMMON_RANGE,
-    NOT_IN_BUDGET,
+    NO_SUCH_CELL,
     TOO_FEW,
     TOO_SHORT,
     UNEQUAL_TASKS,
@@ -93,7 +93,7 @@ def open_parts(ledger: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
 def _lack(parts: pd.DataFrame, more: Sequence[int]) -> str | float:
     """What a claim's open parts need the most: one of `steps`."""
     reasons = set(parts["reason"].dropna())
-    if NOT_IN_BUDGET in reasons:
+    if NO_SUCH_CELL in reasons:
         return "cells"
     if reasons & {TOO_SHORT, NO_COMMON_RANGE, UNEQUAL_TASKS}:
         return "generations"

@@ -49,7 +49,8 @@ def summary(effects: pd.DataFrame) -> list[str]:
     }
     with_neat, with_ablation = list(told.values())[::2], list(told.values())[1::2]
     return [
-        f"Told apart from NEAT by the 95% interval of A12 are: {'; '.join(with_neat)}.",
+        "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
+        f"{'; '.join(with_neat)}.",
         "From NEAT (w/o), which neither learns nor mutates weights: "
         f"{'; '.join(with_ablation)}.".replace("in ablation, ", "in "),
         "What a rule shares with NEAT (w/o) is no effect of learning.",

@@ -24,7 +24,7 @@ from tests.analysis.claimed import (
 class TestWhatCannotBeDecided:
     def test_a_cell_that_the_budget_lacks(self) -> None:
         (finding,) = decision({cell("bcm"): around(10)}, **HIGHER).findings
-        assert (finding.verdict, finding.reason) == ("undecided", "not in this budget")
+        assert (finding.verdict, finding.reason) == ("undecided", "no such cell here")
 
     def test_missing_seeds(self) -> None:
         values = {cell("bcm"): around(10)[1:], cell("neat"): around(5)}
@@ -76,7 +76,7 @@ class TestLedger:
         )
         decisions = [decide(each, everywhere) for each in claims]
         reasons = {f.reason for each in decisions for f in each.findings}
-        assert "not in this budget" not in reasons
+        assert "no such cell here" not in reasons
         table = as_table(decisions)
         assert set(table["claim"]) == {each.id for each in claims}
         assert list(table[table["decisive"]]["claim"]) == [each.id for each in claims]

@@ -63,7 +63,7 @@ class TestLevel:
     def test_a_place_that_the_grid_lacks(self) -> None:
         for where in ({"populations": [300]}, {"populations": [6, 300]}, {"learning_rates": [0.3]}):
             (finding,) = decision(self.GRID, **self.TEST, where=where).findings
-            assert (finding.verdict, finding.reason) == ("undecided", "not in this budget")
+            assert (finding.verdict, finding.reason) == ("undecided", "no such cell here")
 
 
 class TestShare:
@@ -193,7 +193,7 @@ class TestPeak:
         assert verdict(values, **test) == "supported"
         for rate in (0.1, 0.3):
             fewer = {each: runs for each, runs in values.items() if each.learning_rate != rate}
-            assert decision(fewer, **test).findings[0].reason == "not in this budget"
+            assert decision(fewer, **test).findings[0].reason == "no such cell here"
 
 
 def test_sensitivity() -> None:

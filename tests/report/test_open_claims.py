@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from neol.analysis.claims import NOT_IN_BUDGET, SEEDS_MISSING, TOO_FEW, TOO_SHORT
+from neol.analysis.claims import NO_SUCH_CELL, SEEDS_MISSING, TOO_FEW, TOO_SHORT
 from neol.report import open_claims
 from neol.selection import select
 from neol.spec import load_configuration
@@ -26,7 +26,7 @@ def test_an_open_claim_counts_where_it_lacks_the_most() -> None:
         ("no difference", "", math.inf),
         ("indistinguishable", "", math.nan),
         ("higher level", "", 12), ("higher level", TOO_SHORT, 12),
-        ("elsewhere", TOO_SHORT, 12), ("elsewhere", NOT_IN_BUDGET, math.nan),
+        ("elsewhere", TOO_SHORT, 12), ("elsewhere", NO_SUCH_CELL, math.nan),
         ("under way", SEEDS_MISSING, 12),
     )  # fmt: skip
     table.loc[len(table)] = ["decided", np.nan, 12, "supported", "supported"]
@@ -47,7 +47,7 @@ def test_an_open_claim_counts_where_it_lacks_the_most() -> None:
 def test_what_is_not_shown_is_not_what_the_budget_lacks() -> None:
     """Of the tasks that were left out, it is the budget that has them."""
     some = select("demo", "cartpole")
-    (step,) = open_claims.steps(ledger(("elsewhere", NOT_IN_BUDGET, math.nan)), some)
+    (step,) = open_claims.steps(ledger(("elsewhere", NO_SUCH_CELL, math.nan)), some)
     assert step.takes == "tasks that are not shown here"
     demo = load_configuration("demo")
     assert float(step.core_hours) == pytest.approx(open_claims.core_hours(demo, 10), rel=0.01)
