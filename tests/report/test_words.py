@@ -67,8 +67,8 @@ def test_who_is_told_apart_is_said_of_each_outcome() -> None:
     ])  # fmt: skip
     assert words.summary(table)[:2] == [
         "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
-        "in final fitness, BCM and NEAT (w/o) on Hopper (above), Oja on CartPole (below); in SCORE, "
-        "none; in held-out return, none.",
+        "in final fitness, BCM and NEAT (w/o) on Hopper (above), Oja on CartPole (below); in "
+        "SCORE, none; in held-out return, none.",
         "From NEAT (w/o), which neither learns nor mutates weights: in final fitness, none; in "
         "SCORE, Hebb on Hopper (above); in held-out return, none.",
     ]
