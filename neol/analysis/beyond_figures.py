@@ -44,7 +44,7 @@ def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     bottom = min(places.values())
     with drawing():
         columns = [*budget.tasks, "all"]
-        figure = Figure(figsize=(WIDTH, 1.2 - 0.15 * bottom))
+        figure = Figure(figsize=(WIDTH, 1.1 - 0.13 * bottom))
         axes = figure.subplots(1, len(columns), sharey=True, sharex=True)
         for axis, task in zip(axes, columns, strict=True):
             _from_0_to_1(axis, "All tasks" if task == "all" else task_label(task))

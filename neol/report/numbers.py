@@ -99,12 +99,8 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
     sensitivity = vouched_frame(figures / "beyond_sensitivity.csv")
     return {
         "toldapart": _items(words.told_apart(effects, words.FITNESS)),
-        "toldapartscore": _items(words.told_apart(effects, words.SCORE)),
         "toldapartablation": _items(
             words.told_apart(effects, words.ABLATION.format(words.FITNESS))
-        ),
-        "toldapartablationscore": _items(
-            words.told_apart(effects, words.ABLATION.format(words.SCORE))
         ),
         "summary": escape(" ".join(words.summary(effects))),
         "aftercorrection": escape(words.after_correction(effects)),

@@ -23,7 +23,7 @@ from neol.analysis.choice import candidates
 from neol.analysis.labels import BEYOND, HEATMAPS
 from neol.campaign import blocks
 from neol.records import read_record, write_record
-from neol.spec import load_configuration
+from neol.spec import ROOT, load_configuration
 from neol.trace import trace
 from tests.report.test_page import Outline
 from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, make_records, planned, snakemake
@@ -195,6 +195,24 @@ def test_the_paper_comes_out_the_same_again(whole: Path) -> None:
     made = snakemake(whole, str(PAPER), *SMOKE)
     assert made.returncode == 0, made.stderr
     assert hashlib.sha256((whole / PAPER).read_bytes()).hexdigest() == before
+
+
+@NEEDS_LATEX
+def test_latex_works_for_some_tasks_of_a_budget(tmp_path: Path) -> None:
+    """Their folder's name has a comma, which LaTeX takes for a list; and a failure is not kept."""
+    folder = tmp_path / "demo-cartpole,lunar_lander"
+    folder.mkdir()
+    text, numbers, output = (
+        tmp_path / "reproduction.tex", folder / "results.tex", tmp_path / "out.pdf",
+    )  # fmt: skip
+    text.write_text("\\documentclass{article}\\input{results}\\begin{document}\\x\\end{document}")
+    command = [ROOT / "paper/build.sh", text.name, numbers.relative_to(tmp_path), output.name]
+    numbers.write_text("\\newcommand{\\x}{\\undefined}")
+    assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 1
+    numbers.write_text("\\newcommand{\\x}{7}")
+    made = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert made.returncode == 0, made.stdout
+    assert output.exists()
 
 
 def test_without_latex_the_paper_says_what_to_install(whole: Path, tmp_path: Path) -> None:
