@@ -23,7 +23,14 @@ CATEGORIES = {
     "claims": "Claims",
     "beyond": "Beyond the paper",
 }
-DRAWING = {"style", "drawing", "figures", "paper_figures", "beyond_figures"}
+DRAWING = {
+    "style",
+    "drawing",
+    "figures",
+    "paper_figures",
+    "beyond_figures",
+    "comparison",
+}
 
 # The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
 # `snakemake --lint` asks of each rule.

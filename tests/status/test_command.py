@@ -27,7 +27,7 @@ def test_status_is_plain_lines(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -
     assert outcome.exit_code == 0, outcome.output
     lines = [line.rstrip() for line in outcome.stdout.splitlines()]
     assert lines[0] == (
-        "results/smoke: 3 of 96 runs done, 1 of 32 cells, 0 of 114 of the sensitivity study, "
+        "results/smoke: 3 of 96 runs done, 1 of 32 cells, 0 of 126 of the sensitivity study, "
         "1 failed"
     )
     assert "hopper will cost is unknown" in lines[1]
