@@ -70,8 +70,8 @@ SOLVED = {"cartpole": 475.0, "lunar_lander": 200.0, "hopper": 3800.0, "bipedal_w
 def effects(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
     """Each of `COMPARISONS`: A12 with interval, p-values, Holm's over the family, seeds needed.
 
-    A row with task "all" is the probability of improvement: A12 averaged over the tasks. NEAT (w/o)
-    has its cells of Table 4, as it is not in Table 3; its tests are of no family.
+    A row with task "all" is the probability of improvement: A12 averaged over the tasks. The tests
+    of NEAT (w/o) are of no family.
     """
     random = np.random.default_rng(seed)
     rows: list[dict[str, object]] = []
@@ -84,7 +84,13 @@ def effects(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
                 "method": method,
                 "against": comparison.against,
             }
-            pairs = {task: _pair(outcomes, comparison, task, method) for task in budget.tasks}
+            pairs = {
+                task: [
+                    _chosen(outcomes, comparison.setting, task, each, comparison.metric)
+                    for each in (method, comparison.against)
+                ]
+                for task in budget.tasks
+            }
             for task, pair in pairs.items():
                 effect, p = _effect(superiority, pair, random), rank_sum(*pair)
                 tested = {
@@ -182,28 +188,17 @@ def _effect(
     return {"seeds": min(map(len, samples)), "a12": a12.value, "low": a12.low, "high": a12.high}
 
 
-def _pair(
-    outcomes: Outcomes, comparison: Comparison, task: str, method: str
-) -> tuple[Floats, Floats]:
-    """The runs of a method, and of the one that it is compared with."""
-    setting, metric = comparison.setting, comparison.metric
-    own = "table4" if method == ABLATION and setting == "table3" else setting
-    return (
-        _chosen(outcomes, own, task, method, metric),
-        _chosen(outcomes, setting, task, comparison.against, metric),
-    )
-
-
 def _chosen(outcomes: Outcomes, setting: str, task: str, method: str, metric: str) -> Floats:
+    """The runs that stand for a method; NEAT (w/o), which Table 3 lacks, has its Table 4 cell."""
+    setting = "table4" if (setting, method) == ("table3", ABLATION) else setting
     cell = outcomes.chosen(setting, task, method)
     return np.array([]) if cell is None else outcomes.values(cell, metric)
 
 
 def _normalised(outcomes: Outcomes, tasks: Sequence[str], method: str) -> dict[str, Floats]:
     """A method's final fitness on each task that has a threshold, divided by it."""
-    setting = "table4" if method == "neat_wo" else "table3"
     return {
-        task: _chosen(outcomes, setting, task, method, "final_best") / SOLVED[task]
+        task: _chosen(outcomes, "table3", task, method, "final_best") / SOLVED[task]
         for task in tasks
         if task in SOLVED
     }

@@ -17,6 +17,7 @@ from neol.analysis.statistics import (
     Effect,
     Floats,
     bootstrap,
+    estimate,
     interval,
     mean_difference,
     mean_difference_error,
@@ -82,12 +83,11 @@ def by_one_run(effect: Effect, *, reaches: bool) -> Rule:
     """
 
     def judge(samples: Sequence[Floats], random: np.random.Generator, _alpha: float) -> Judgement:
-        seeds, value = min(map(len, samples)), float(effect(*samples))
-        low, high = map(float, interval(bootstrap(effect, samples, random), seeds))
-        below = value != 0
-        at_maximum = not below and seeds >= PAPER_SEEDS
+        found = estimate(effect, samples, random)
+        below = found.value != 0
+        at_maximum = not below and _as_many_as_the_papers(samples)
         right, wrong = (at_maximum, below) if reaches else (below, at_maximum)
-        return Judgement(value, low, high, right, wrong)
+        return Judgement(found.value, found.low, found.high, right, wrong)
 
     return judge
 
@@ -103,14 +103,14 @@ def by_rank_sum(*, differs: bool) -> Rule:
         return superiority(sample, against) - 0.5
 
     def judge(samples: Sequence[Floats], random: np.random.Generator, alpha: float) -> Judgement:
-        seeds, value = min(map(len, samples)), float(effect(*samples))
-        low, high = map(float, interval(bootstrap(effect, samples, random), seeds))
+        found = estimate(effect, samples, random)
+        value, low, high = found.value, found.low, found.high
         higher, lower = rank_sum(*samples), rank_sum(*reversed(samples))
         if differs:
             needed = seeds_needed(value + 0.5, alpha=ALPHA if value > 0 else alpha)
             return Judgement(value, low, high, higher < ALPHA, lower < alpha, higher, needed)
         p = min(1.0, 2 * min(higher, lower))
-        right = p >= ALPHA and seeds >= PAPER_SEEDS
+        right = p >= ALPHA and _as_many_as_the_papers(samples)
         return Judgement(value, low, high, right, p < alpha, p)
 
     return judge
@@ -155,3 +155,8 @@ def by_share(more_than: float) -> Rule:
         return Judgement(value, low, high, low > 0, bounds(alpha)[1] <= 0, needed=float(needed))
 
     return judge
+
+
+def _as_many_as_the_papers(samples: Sequence[Floats]) -> bool:
+    """Whether there are the seeds that a claim of no difference takes."""
+    return min(map(len, samples)) >= PAPER_SEEDS

@@ -203,25 +203,21 @@ def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats
 
 def mean_difference_error(sample: Floats, against: Floats) -> float:
     """Standard error of the difference of two means, whose variances may differ."""
-    squares = [each.var(ddof=1) / len(each) for each in (sample, against)]
-    return math.sqrt(sum(squares))
+    return math.sqrt(sum(_squared_errors(sample, against)))
 
 
 def mean_difference_interval(
     sample: Floats, against: Floats, confidence: float
 ) -> tuple[float, float]:
     """Welch's interval of the difference of two means (Welch 1947); a point without any spread."""
-    difference, error = (
-        float(mean_difference(sample, against)),
-        mean_difference_error(sample, against),
-    )
-    if error == 0:
+    difference = float(mean_difference(sample, against))
+    first, second = _squared_errors(sample, against)
+    if first + second == 0:
         return difference, difference
-    shares = [each.var(ddof=1) / len(each) / error**2 for each in (sample, against)]
-    degrees = 1 / sum(
-        share**2 / (len(each) - 1) for share, each in zip(shares, (sample, against), strict=True)
+    degrees = (first + second) ** 2 / (
+        first**2 / (len(sample) - 1) + second**2 / (len(against) - 1)
     )
-    half = float(stats.t.ppf((1 + confidence) / 2, degrees)) * error
+    half = float(stats.t.ppf((1 + confidence) / 2, degrees)) * math.sqrt(first + second)
     return difference - half, difference + half
 
 
@@ -255,6 +251,11 @@ def seeds_for(effect: float, error: float, seeds: int, alpha: float, power: floa
         return math.nan
     z = stats.norm.isf(alpha / 2) + stats.norm.isf(1 - power)
     return float(max(2, math.ceil(seeds * (z * error / effect) ** 2)))
+
+
+def _squared_errors(*samples: Floats) -> list[float]:
+    """Of the samples' means."""
+    return [float(each.var(ddof=1)) / len(each) for each in samples]
 
 
 def _same(value: float, printed: float, digits: int) -> bool:

@@ -37,8 +37,13 @@ class Step(NamedTuple):
 
 def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[Step]:
     """What the open claims lack, and what it costs; a claim counts where it lacks the most."""
-    budget, paper = configuration.budget, load_configuration("paper")
-    whole = load_configuration(budget.name)
+    budget = configuration.budget
+    elsewhere, where = (
+        (budget.name, "tasks that are not shown here")
+        if chosen_tasks(budget)
+        else ("paper", "cells that this budget does not have: the paper's budget")
+    )
+    other = load_configuration(elsewhere)
     more = [seeds for seeds in SEEDS if seeds > budget.seeds]
     takes: dict[str | float, tuple[str, float | None]] = {
         "runs": ("the rest of this budget's runs", None),
@@ -51,14 +56,7 @@ def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[Step]:
             f"{PAPER_GENERATIONS} generations",
             core_hours(configuration, budget.seeds, PAPER_GENERATIONS),
         ),
-        "cells": (
-            ("tasks that are not shown here", core_hours(whole, whole.budget.seeds))
-            if chosen_tasks(budget)
-            else (
-                "cells that this budget does not have: the paper's budget",
-                core_hours(paper, paper.budget.seeds),
-            )
-        ),
+        "cells": (where, core_hours(other, other.budget.seeds)),
     }
     counts = Counter(_lack(parts, more) for _, parts in open_parts(ledger))
     return [

@@ -42,17 +42,17 @@ def verdicts(ledger: pd.DataFrame) -> list[str]:
 
 def summary(effects: pd.DataFrame) -> list[str]:
     """Which methods are told apart from NEAT, and from NEAT (w/o), by which outcome."""
-    told = {
-        name: f"in {name}, {_apart(effects, name) or 'none'}"
-        for outcome in (FITNESS, SCORE, HELD_OUT)
-        for name in (outcome, ABLATION.format(outcome))
-    }
-    with_neat, with_ablation = list(told.values())[::2], list(told.values())[1::2]
+
+    def told(comparison: str) -> str:
+        return "; ".join(
+            f"in {outcome}, {_apart(effects, comparison.format(outcome)) or 'none'}"
+            for outcome in (FITNESS, SCORE, HELD_OUT)
+        )
+
     return [
         "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
-        f"{'; '.join(with_neat)}.",
-        "From NEAT (w/o), which neither learns nor mutates weights: "
-        f"{'; '.join(with_ablation)}.".replace("in ablation, ", "in "),
+        f"{told('{}')}.",
+        f"From NEAT (w/o), which neither learns nor mutates weights: {told(ABLATION)}.",
         "What a rule shares with NEAT (w/o) is no effect of learning.",
     ]
 
