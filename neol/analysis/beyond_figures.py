@@ -33,12 +33,12 @@ METRIC_LABELS = {
 def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """A12 of each method with its interval; a cross is the paper's, from its p-value."""
     looks = styles(shown_methods(budget))
-    places: dict[tuple[str, str], float] = {}
+    places: dict[tuple[str, str, str], float] = {}
     tops = []
     for comparison in COMPARISONS:
         tops.append(min(places.values(), default=0.8) - 1.8)
         places |= {
-            (comparison.name, method): tops[-1] - position
+            (comparison.outcome, comparison.against, method): tops[-1] - position
             for position, method in enumerate(comparison.methods(budget))
         }
     bottom = min(places.values())
@@ -49,10 +49,10 @@ def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
         for axis, task in zip(axes, columns, strict=True):
             _from_0_to_1(axis, "All tasks" if task == "all" else task_label(task))
             for row in table[table["task"] == task].to_dict("records"):
-                place = places[row["comparison"], row["method"]]
+                place = places[row["outcome"], row["against"], row["method"]]
                 _interval(axis, place, row, "a12", looks[row["method"]])
                 axis.plot(row["paper_a12"], place, "x", color="black", markersize=4)
-        axes[0].set_yticks(list(places.values()), [method_label(each) for _, each in places])
+        axes[0].set_yticks(list(places.values()), [method_label(each) for *_, each in places])
         for comparison, top in zip(COMPARISONS, tops, strict=True):
             text = f"{OUTCOMES[comparison.metric]} vs {method_label(comparison.against)}"
             label = axes[0].text(-0.01, top + 0.62, text, size=7, color=GREY, bbox=GROUND)

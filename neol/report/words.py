@@ -17,9 +17,7 @@ from neol.analysis.statistics import ALPHA
 from neol.campaign import cells
 from neol.sensitivity import BASELINE, variants
 
-FITNESS, SCORE, HELD_OUT = "final fitness", "SCORE", "held-out return"
-ABLATION = "ablation, {}"
-"""The comparisons of beyond_effects.csv: with NEAT, and each of them with NEAT (w/o)."""
+FITNESS, SCORE, HELD_OUT = OUTCOMES = "final fitness", "SCORE", "held-out return"
 
 
 def verdicts(ledger: pd.DataFrame) -> list[str]:
@@ -43,30 +41,29 @@ def verdicts(ledger: pd.DataFrame) -> list[str]:
 def summary(effects: pd.DataFrame) -> list[str]:
     """Which methods are told apart from NEAT, and from NEAT (w/o), by which outcome."""
 
-    def told(comparison: str) -> str:
+    def told(against: str) -> str:
         return "; ".join(
-            f"in {outcome}, {_apart(effects, comparison.format(outcome)) or 'none'}"
-            for outcome in (FITNESS, SCORE, HELD_OUT)
+            f"in {outcome}, {_apart(effects, outcome, against) or 'none'}" for outcome in OUTCOMES
         )
 
     return [
         "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
-        f"{told('{}')}.",
-        f"From NEAT (w/o), which neither learns nor mutates weights: {told(ABLATION)}.",
+        f"{told('neat')}.",
+        f"From NEAT (w/o), which neither learns nor mutates weights: {told('neat_wo')}.",
         "What a rule shares with NEAT (w/o) is no effect of learning.",
     ]
 
 
-def told_apart(effects: pd.DataFrame, comparison: str) -> list[str]:
+def told_apart(effects: pd.DataFrame, outcome: str, against: str) -> list[str]:
     """For each task, and for all together, which methods end above or below another one: A12."""
     sentences = []
-    for task, rows in effects[effects["comparison"] == comparison].groupby("task", sort=False):
+    for task, rows in _comparison(effects, outcome, against).groupby("task", sort=False):
         sides: dict[str, list[str]] = {}
         for row in rows.to_dict("records"):
             share = f" {_share(row)}" if row["seeds"] else ""
             sides.setdefault(_side(row), []).append(f"{method_label(row['method'])}{share}")
-        against = method_label(rows["against"].iloc[0])
-        said = "; ".join(f"{', '.join(some)} {side} {against}" for side, some in sides.items())
+        other = method_label(against)
+        said = "; ".join(f"{', '.join(some)} {side} {other}" for side, some in sides.items())
         sentences.append(f"{_place(str(task))}: {said}.")
     return sentences
 
@@ -76,11 +73,10 @@ def effects_table(effects: pd.DataFrame, against: str) -> list[list[str]]:
     here = effects[effects["against"] == against]
     methods = list(dict.fromkeys(here["method"]))
     rows = [["outcome", "task", *map(method_label, methods)]]
-    for (comparison, task), some in here.groupby(["comparison", "task"], sort=False):
+    for (outcome, task), some in here.groupby(["outcome", "task"], sort=False):
         by_method = {row["method"]: row for row in some.to_dict("records")}
         entries = [_entry(by_method[method]) for method in methods]
-        outcome = str(comparison).removeprefix(ABLATION.format(""))
-        rows.append([outcome, _place(str(task)), *entries])
+        rows.append([str(outcome), _place(str(task)), *entries])
     return rows
 
 
@@ -89,7 +85,7 @@ def after_correction(effects: pd.DataFrame) -> str:
     tested = effects.dropna(subset="p_holm")
     significant = tested[tested["p_holm"] < ALPHA]
     named = "; ".join(
-        f"{row['comparison']}, {task_label(row['task'])}, {method_label(row['method'])} against "
+        f"{row['outcome']}, {task_label(row['task'])}, {method_label(row['method'])} against "
         f"{method_label(row['against'])}"
         for row in significant.to_dict("records")
     )
@@ -157,11 +153,15 @@ def one_species(campaign: Campaign) -> list[str]:
     ]
 
 
-def _apart(effects: pd.DataFrame, comparison: str) -> str:
+def _comparison(effects: pd.DataFrame, outcome: str, against: str) -> pd.DataFrame:
+    return effects[(effects["outcome"] == outcome) & (effects["against"] == against)]
+
+
+def _apart(effects: pd.DataFrame, outcome: str, against: str) -> str:
     """The methods that are told apart in a comparison, by task and side."""
-    here = effects[(effects["comparison"] == comparison) & (effects["task"] != "all")]
+    here = _comparison(effects, outcome, against)
     found = []
-    for task, rows in here.groupby("task", sort=False):
+    for task, rows in here[here["task"] != "all"].groupby("task", sort=False):
         for side in ("above", "below"):
             methods = [row["method"] for row in rows.to_dict("records") if _side(row) == side]
             if methods:

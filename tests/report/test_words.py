@@ -12,7 +12,7 @@ from neol.report import words
 
 def effects(**row: Any) -> pd.DataFrame:
     """One comparison with NEAT on Hopper."""
-    there = {"comparison": words.FITNESS, "task": "hopper", "method": "bcm", "seeds": 10}
+    there = {"outcome": words.FITNESS, "task": "hopper", "method": "bcm", "seeds": 10}
     there |= {"against": "neat"}
     return pd.DataFrame([there | {"a12": 0.5, "low": 0.2, "high": 0.8, "p_holm": 1.0} | row])
 
@@ -30,7 +30,7 @@ def test_a_rule_is_above_or_below_only_where_its_interval_is(
     a12: float, low: float, high: float, said: str
 ) -> None:
     table = effects(a12=a12, low=low, high=high)
-    assert words.told_apart(table, words.FITNESS) == [
+    assert words.told_apart(table, words.FITNESS, "neat") == [
         f"Hopper: BCM {a12:.2f} [{low:.2f}, {high:.2f}] {said}."
     ]
 
@@ -41,7 +41,7 @@ def test_rules_are_told_side_by_side() -> None:
         effects(method="hebb"),
         effects(method="oja", a12=0.8, low=0.7, high=1.0),
     ]
-    (sentence,) = words.told_apart(pd.concat(rows), words.FITNESS)
+    (sentence,) = words.told_apart(pd.concat(rows), words.FITNESS, "neat")
     assert sentence == (
         "Hopper: BCM 0.90 [0.80, 1.00], Oja 0.80 [0.70, 1.00] above NEAT; "
         "Hebb 0.50 [0.20, 0.80] not told apart from NEAT."
@@ -63,7 +63,7 @@ def test_who_is_told_apart_is_said_of_each_outcome() -> None:
         effects(method="bcm", low=0.6), effects(method="neat_wo", low=0.6), effects(method="oja"),
         effects(method="oja", task="cartpole", high=0.4),
         effects(method="bcm", task="all", low=0.6),
-        effects(comparison="ablation, SCORE", against="neat_wo", method="hebb", low=0.6),
+        effects(outcome="SCORE", against="neat_wo", method="hebb", low=0.6),
     ])  # fmt: skip
     assert words.summary(table)[:2] == [
         "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
@@ -101,7 +101,7 @@ def test_the_share_of_generations_with_one_species(campaign: Campaign) -> None:
 
 def test_no_run_is_no_comparison() -> None:
     table = effects(seeds=0, a12=math.nan, low=math.nan, high=math.nan)
-    (sentence,) = words.told_apart(table, words.FITNESS)
+    (sentence,) = words.told_apart(table, words.FITNESS, "neat")
     assert sentence == "Hopper: BCM cannot be compared with NEAT."
 
 
