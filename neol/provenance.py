@@ -33,7 +33,7 @@ class Provenance(Model):
 
     def code(self, digits: int | None = None) -> str:
         """The commit, so many digits of it; with -dirty where code or constants differed."""
-        return f"{f'{self.commit}'[:digits]}{'-dirty' * bool(self.dirty)}"
+        return describe_checkout(self.commit, self.dirty, digits)
 
 
 def provenance() -> Provenance:
@@ -57,6 +57,11 @@ def package_version(package: str) -> str | None:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
         return None
+
+
+def describe_checkout(commit: str | None, dirty: bool | None, digits: int | None = None) -> str:
+    """As Git's own `describe` has it: the commit, and -dirty where what is looked at differed."""
+    return f"{(commit or 'unknown')[:digits]}{'-dirty' if dirty else ''}"
 
 
 @cache

@@ -26,11 +26,10 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
     sidecar = Sidecar.read(path)
     if output.name not in (*sidecar.outputs, path.name):
         raise UserError(f"{output}: not one of the files that {path.name} is about")
-    dirty = ", with changes that were not committed" if sidecar.dirty else ""
     for name, expected in sidecar.outputs.items():
         yield f"{name}{_state(path.parent / name, expected)}"
     yield f"made by  {sidecar.command}"
-    yield f"commit   {sidecar.commit or 'unknown'}{dirty}"
+    yield f"commit   {sidecar.code()}"
     yield f"budget   {sidecar.budget}, configuration {sidecar.configuration[:16]}"
     yield f"records  {len(sidecar.records)}, of {sidecar.runs} runs"
     for record in sidecar.records:

@@ -12,7 +12,7 @@ from neol.analysis.runs import Source
 from neol.errors import UserError
 from neol.files import read_bounded, sha256, write_atomically
 from neol.model import Model
-from neol.provenance import checkout
+from neol.provenance import checkout, describe_checkout
 from neol.selection import snakemake_options
 from neol.spec import ROOT, Configuration, canonical_json
 
@@ -41,6 +41,10 @@ class Sidecar(Model):
     configuration: str
     """SHA-256 of the resolved configuration as canonical JSON."""
     records: tuple[Source, ...]
+
+    def code(self, digits: int | None = None) -> str:
+        """The commit, so many digits of it; with -dirty where it was not all."""
+        return describe_checkout(self.commit, self.dirty, digits)
 
     @property
     def runs(self) -> int:

@@ -20,7 +20,7 @@ from neol.analysis.runs import Campaign
 from neol.analysis.sidecar import INPUTS, Sidecar
 from neol.files import write_atomically
 from neol.metadata import metadata
-from neol.provenance import checkout
+from neol.provenance import checkout, describe_checkout
 from neol.report import open_claims
 from neol.report.costs import costs
 from neol.report.inputs import command_line, read, vouched, vouched_frame, vouched_table
@@ -68,7 +68,6 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     exhibits = [*paper_tables, *paper_figures, *beyond]
     records = {record.path: record for each in exhibits for record in each.origin.records}
     showcase = Showcase.model_validate_json(read(champions))
-    commit, dirty = checkout(*INPUTS, "docs/assumptions.md")
     return render(
         "page.html.j2",
         project=metadata(),
@@ -76,8 +75,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         options=snakemake_options(configuration.budget),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
-        commit=commit,
-        dirty=dirty,
+        commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
         judged=judged,
         counts=Counter(each.verdict for each in judged),
         tables=paper_tables,

@@ -39,7 +39,7 @@ def page(campaign: Campaign, figures: Path, picture: str) -> str:
         options=snakemake_options(configuration.budget),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
-        commit=sidecar.commit,
+        commit=sidecar.code(12),
         runs=spent["runs"]["all"],
         figures=figures.as_posix(),
         in_short=[*words.verdicts(ledger), *words.summary(effects)],

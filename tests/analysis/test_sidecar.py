@@ -59,6 +59,7 @@ def test_what_an_edit_makes_dirty(
     sidecar = Sidecar.read(table.with_suffix(".json"))
     assert sidecar.commit
     assert sidecar.dirty == of_output
+    assert sidecar.code(12) == sidecar.commit[:12] + "-dirty" * of_output
 
 
 def test_the_configuration_is_named_by_its_canonical_json(tmp_path: Path) -> None:
