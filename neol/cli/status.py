@@ -39,7 +39,8 @@ def status(
     from neol.cli.status_view import picture, summary
     from neol.progress import Display
     from neol.selection import select
-    from neol.status import Folder, Status
+    from neol.status.costs import Status
+    from neol.status.states import Folder
 
     if not campaign.name:  # it is "."
         campaign = Path.cwd()

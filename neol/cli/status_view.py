@@ -9,7 +9,8 @@ from rich.text import Text
 
 from neol.progress import duration
 from neol.spec import RunSpec
-from neol.status import STATES, Finished, JobStatus, Status
+from neol.status.costs import Status
+from neol.status.states import STATES, Finished, JobStatus
 
 LISTED = 5
 """As many entries of a list are shown."""

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from neol import status as module
 from neol.jobs import Job
 from neol.record import join
 from neol.records import write_record
-from neol.status import Folder
+from neol.status import costs
+from neol.status.states import Folder
 from tests.analysis import made_up
 
 CONFIGURATION = made_up.configuration(tasks=("cartpole", "hopper"))
@@ -49,4 +49,4 @@ def log(of: Job, text: str) -> None:
 @pytest.fixture
 def unmeasured(monkeypatch: pytest.MonkeyPatch) -> None:
     """As if no task had ever been measured."""
-    monkeypatch.setattr(module, "run_seconds", lambda _spec: None)
+    monkeypatch.setattr(costs, "run_seconds", lambda _spec: None)

@@ -6,7 +6,7 @@ import pytest
 
 from neol import selection
 from neol.cli import status as command
-from neol.status import Folder
+from neol.status.states import Folder
 from tests.command import neol, refused
 from tests.status.conftest import CONFIGURATION, finish, job, log
 

@@ -2,10 +2,11 @@
 
 import pytest
 
-from neol import status as module
 from neol.cost import run_seconds
 from neol.partial import partial_folder
-from neol.status import BASES, Folder, Row, Status
+from neol.status import states
+from neol.status.costs import BASES, Row, Status
+from neol.status.states import Folder
 from tests.status.conftest import finish, job
 
 
@@ -60,7 +61,7 @@ def test_the_time_left_is_that_of_the_jobs_that_run(
     assert Status(folder.look()).seconds_left is None
     for place in (1, 2):
         partial_folder(job(folder, place=place).record).mkdir(parents=True)
-    monkeypatch.setattr(module, "is_running", lambda _: True)
+    monkeypatch.setattr(states, "is_running", lambda _: True)
     status = Status(folder.look())
     hours = sum(r.core_hours or 0.0 for r in status.rows)
     # Two jobs run, each at half a core: that is what the finished runs got.

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from neol import status as module
 from neol.jobs import Job
 from neol.partial import finished_path, partial_folder
 from neol.records import read_record, write_record
 from neol.run import run_block
-from neol.status import Folder, JobStatus, Status
+from neol.status import states
+from neol.status.costs import Status
+from neol.status.states import Folder, JobStatus
 from tests.runs import killer
 from tests.status.conftest import finish, job, log
 
@@ -85,7 +86,7 @@ def test_a_record_that_comes_and_goes(folder: Folder, monkeypatch: pytest.Monkey
 
     this = job(folder)
     finish(this)
-    monkeypatch.setattr(module, "read_footer", vanish)
+    monkeypatch.setattr(states, "read_footer", vanish)
     assert status_of(folder, this).reason == f"{this.record}: comes and goes"
 
 
@@ -145,7 +146,7 @@ def test_a_record_that_cannot_be_used_has_failed(folder: Folder) -> None:
 def test_a_record_is_read_once(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     finish(job(folder))
     before = folder.look()
-    monkeypatch.setattr(module, "read_footer", None)
+    monkeypatch.setattr(states, "read_footer", None)
     assert folder.look() == before
 
 
