@@ -68,7 +68,7 @@ $(ENVIRONMENT): environment.lock
 	    /^Installing collected/                      { print "  installing " n;          fflush() }'
 	@touch $@
 
-CORE        := $(wildcard $(addprefix neol/rollout/box2d/,*.?pp stub/* *.lock build.py library.py))
+CORE        := $(wildcard $(addprefix neol/rollout/box2d/,*.?pp stub/*.h stub/Box2D/Common/*.h *.lock build.py library.py))
 
 $(READY): $(ENVIRONMENT) pyproject.toml $(CORE)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .

@@ -74,15 +74,20 @@ def fetch_source(folder: Path) -> Path:
 
 
 def compile_core(flags: Sequence[str], output: Path, *extra_sources: Path) -> None:
-    """Compile the core and all of Box2D, the latter as one unit and as a system's header."""
+    """Compile the core and all of Box2D, the latter as one unit and as a system's header.
+
+    A header in stub/ is in place of Box2D's own, and of the unit of its name.
+    """
     compiler = find_compiler()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         source = fetch_source(folder)
+        stub = FOLDER / "stub"
         units = sorted(path.relative_to(source) for path in source.glob("Box2D/**/*.cpp"))
+        units = [unit for unit in units if not (stub / unit).with_suffix(".h").exists()]
         box2d = folder / "box2d.cpp"
         box2d.write_text("".join(f"#include <{unit.as_posix()}>\n" for unit in units))
-        headers = ["-isystem", str(FOLDER / "stub"), "-isystem", str(source)]
+        headers = ["-isystem", str(stub), "-isystem", str(source)]
         sources = [str(path) for path in (FOLDER / "core.cpp", *extra_sources, box2d)]
         definition = f'-DNEOL_STAMP="{stamp()}"'
         command = [*compiler, *flags, *WARNINGS, definition, *headers, *sources, "-o", str(output)]

@@ -24,7 +24,7 @@ TASKS = ("LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3")
 def stamp() -> str:
     """Digest of all that a library is made from: our sources, the lock of Box2D's, the flags."""
     digest = hashlib.sha256(" ".join(FLAGS).encode())
-    for pattern in ("*.lock", "*.?pp", "stub/*"):
+    for pattern in ("*.lock", "*.?pp", "stub/**/*.h"):
         for path in sorted(FOLDER.glob(pattern)):
             digest.update(path.read_bytes())
     return digest.hexdigest()

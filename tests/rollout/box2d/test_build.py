@@ -29,14 +29,15 @@ def notice(capsys: pytest.CaptureFixture[str]) -> str:
     return line
 
 
+@pytest.mark.parametrize("source", ["pcg64.hpp", "stub/Python.h", "stub/Box2D/Common/b2Timer.h"])
 def test_a_library_of_other_sources_is_refused(
-    library: ctypes.CDLL, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    source: str, library: ctypes.CDLL, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = shutil.copytree(core.FOLDER, tmp_path / "box2d")
     monkeypatch.setattr(core, "FOLDER", folder)
     assert isinstance(core.load(), ctypes.CDLL)
-    with (folder / "pcg64.hpp").open("a") as source:
-        source.write("\n")
+    with (folder / source).open("a") as file:
+        file.write("\n")
     assert "out of date" in str(core.load())
     assert core.stamp().encode() != library.neol_stamp()
 
