@@ -21,7 +21,7 @@ FITNESS, SCORE, HELD_OUT = OUTCOMES = "final fitness", "SCORE", "held-out return
 
 
 def verdicts(ledger: pd.DataFrame) -> list[str]:
-    """How many claims came out how, and which tasks those are about that are decided."""
+    """How many claims came out how, and the tasks whose runs decided those that are decided."""
     claims = ledger.groupby("claim", sort=False)
     verdict = claims["verdict"].first()
     counts = Counter(verdict)
@@ -31,8 +31,8 @@ def verdicts(ledger: pd.DataFrame) -> list[str]:
         "overlap, so that is no count of independent findings."
     ]
     for each in ("supported", "contradicted"):
-        parts = ledger[ledger["verdict"] == each]["tasks"]
-        tasks = dict.fromkeys(task for some in parts for task in some.split(","))
+        parts = ledger[(ledger["verdict"] == each) & (ledger["part_verdict"] == each)]
+        tasks = dict.fromkeys(task for some in parts["tasks"] for task in some.split(","))
         if tasks:
             sentences.append(f"What is {each} is about {_listed(map(task_label, tasks))}.")
     return sentences

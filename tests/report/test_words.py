@@ -75,15 +75,19 @@ def test_who_is_told_apart_is_said_of_each_outcome() -> None:
 
 
 def test_what_is_decided_names_its_tasks() -> None:
+    """A part without runs, or that is open, decides nothing."""
+    yes, no, open_ = "supported", "contradicted", "undecided"
     parts = [
-        ("a", "supported", "cartpole"), ("a", "supported", "hopper"), ("b", "supported", "hopper"),
-        ("c", "undecided", ""),
+        ("a", yes, yes, "cartpole"), ("a", yes, yes, "hopper"), ("b", yes, yes, "hopper"),
+        ("c", open_, yes, "lunar_lander"), ("c", open_, open_, math.nan),
+        ("d", no, yes, "cartpole"), ("d", no, open_, math.nan), ("d", no, no, "bipedal_walker"),
     ]  # fmt: skip
-    ledger = pd.DataFrame(parts, columns=["claim", "verdict", "tasks"])
+    ledger = pd.DataFrame(parts, columns=["claim", "verdict", "part_verdict", "tasks"])
     assert words.verdicts(ledger) == [
-        "Of 3 claims of the paper this budget supports 2, contradicts 0 and leaves 1 open; claims "
+        "Of 4 claims of the paper this budget supports 2, contradicts 1 and leaves 1 open; claims "
         "overlap, so that is no count of independent findings.",
         "What is supported is about CartPole and Hopper.",
+        "What is contradicted is about Bipedal Walker.",
     ]
 
 
