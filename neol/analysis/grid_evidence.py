@@ -139,15 +139,13 @@ class Trend(Model):
             found = tuple(cells) if pairs else (None,)
             effect = signed(trend, "higher" if self.direction == "up" else "lower")
             unit = f"A12 - 0.5, {outcomes.unit(self.metric, task)}"
-            early = self.along == "population" and self.metric in EQUAL
             yield Part(
                 label,
                 unit,
                 found,
                 self.metric,
                 by_interval(effect),
-                # What large populations have spent first is not yet much for them.
-                provisional="contradicted" if early else None,
+                provisional=_of_sizes(self.metric) if self.along == "population" else None,
             )
 
     def _in_line(self, cells: Sequence[Cell], pair: tuple[int, int]) -> bool:
@@ -198,6 +196,7 @@ class Peak(Model):
                 metric=self.metric,
                 rule=by_interval(lead, picked=(len(inside), len(outside))),
                 among=(*inside, *outside) if found else (),
+                provisional=_of_sizes(self.metric) if self.where.populations else None,
             )
 
 
@@ -246,6 +245,15 @@ def _named(
     extremes = {"smallest": min(values, default=None), "largest": max(values, default=None)}
     meant = {extremes[name] if isinstance(name, str) else name for name in names}
     return meant if meant <= set(values) else None
+
+
+def _of_sizes(metric: str) -> Literal["contradicted"] | None:
+    """What more generations could overturn where population sizes are compared.
+
+    At equal cost, what large populations have spent first is not yet much for them. And SCORE has
+    the size as a factor, so that it falls with it as long as fitness is below 0.
+    """
+    return "contradicted" if metric in (*EQUAL, "score") else None
 
 
 def _highest(outcomes: Outcomes, cells: Sequence[Cell], metric: str) -> Cell:

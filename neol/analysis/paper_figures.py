@@ -11,7 +11,10 @@ from neol.analysis.runs import Campaign
 from neol.analysis.summary import summarise
 from neol.campaign import Cell, cells
 
-_GROWS = "SCORE grows with the population by construction, so compare cells of one population size."
+_GROWS = (
+    "SCORE grows with the population by construction (falls, where fitness is below 0), so compare "
+    "cells of one population size."
+)
 
 
 def figure2(campaign: Campaign) -> Drawing:

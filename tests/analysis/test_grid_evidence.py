@@ -126,14 +126,21 @@ class TestTrend:
         assert finding.verdict == "supported"
         assert verdict(self.VALUES, **test, direction="down") == "contradicted"
 
-    def test_at_equal_cost_more_generations_could_turn_it_round(self) -> None:
+    @pytest.mark.parametrize("metric", ["equal_evaluations", "equal_steps", "score"])
+    def test_at_equal_cost_and_in_score_more_generations_could_turn_it_round(
+        self, metric: str
+    ) -> None:
         down = {cell("bcm", p): around(-10 * p) for p in (6, 12)}
         test = {"kind": "trend", "along": "population", "direction": "up", "methods": ["bcm"]}
-        equal = test | {"metric": "equal_evaluations"}
-        assert verdict(down, **equal) == "contradicted"
-        (finding,) = decision(down, **equal, generations=100).findings
+        assert verdict(down, **test, metric=metric) == "contradicted"
+        (finding,) = decision(down, **test, metric=metric, generations=100).findings
         assert (finding.verdict, finding.reason) == ("undecided", "fewer than 500 generations")
         assert verdict(down, **test, generations=100) == "contradicted"
+
+    def test_along_the_rate_score_has_no_such_factor(self) -> None:
+        down = {cell("bcm", 6, rate): around(-100 * rate) for rate in (0.1, 0.2)}
+        test = {"kind": "trend", "along": "learning_rate", "direction": "up", "methods": ["bcm"]}
+        assert verdict(down, **test, metric="score", generations=100) == "contradicted"
 
     def test_the_other_axis_is_held_fixed(self) -> None:
         """The population decides everything, so the rate nothing."""
@@ -164,6 +171,16 @@ class TestPeak:
         assert finding.effect == 10
         assert finding.verdict == "supported"
         assert verdict(self.VALUES, **self.TEST, where={"learning_rates": [0.2]}) == "contradicted"
+
+    @pytest.mark.parametrize(
+        ("where", "at_first"),
+        [({"populations": ["largest"]}, "undecided"), ({"learning_rates": [0.2]}, "contradicted")],
+    )
+    def test_a_peak_of_score_at_a_size_may_come_later(self, where: Test, at_first: str) -> None:
+        below = {cell("bcm", p, r): around(-p * (1 + 10 * r)) for p in (6, 12) for r in (0.1, 0.2)}
+        test = self.TEST | {"metric": "score", "where": where}
+        assert verdict(below, **test) == "contradicted"
+        assert verdict(below, **test, generations=100) == at_first
 
     def test_against_another_method_with_a_margin(self) -> None:
         test = self.TEST | {"against": ["neat"]}
