@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from neol.analysis.labels import task_label
+from neol.analysis.labels import listed, task_label
 from neol.analysis.runs import Campaign
 from neol.campaign import cells
 from neol.constants import Budget
@@ -22,8 +22,8 @@ def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> 
 
 def describe_name(budget: Budget) -> str:
     """Its name, and which tasks there are if not all: paper, CartPole only."""
-    tasks = " and ".join(map(task_label, chosen_tasks(budget)))
-    return f"{budget.name}, {tasks} only" if tasks else budget.name
+    tasks = chosen_tasks(budget)
+    return f"{budget.name}, {listed(map(task_label, tasks))} only" if tasks else budget.name
 
 
 def is_papers(configuration: Configuration) -> bool:

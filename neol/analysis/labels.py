@@ -1,6 +1,7 @@
 """Tasks and methods as the paper prints them, and in which order; and numbers."""
 
 import math
+from collections.abc import Iterable
 
 from neol.constants import Budget
 from neol.rules import WITHOUT_RULE
@@ -55,6 +56,12 @@ def task_label(task: str) -> str:
     if task.startswith("gym:"):
         return task.removeprefix("gym:")
     return TASKS.get(task, task.replace("_", " ").title())
+
+
+def listed(words: Iterable[str]) -> str:
+    """BCM, Hebb and Oja"""
+    *others, last = words
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def three_figures(value: float) -> str:

@@ -5,13 +5,13 @@ comparison whose interval holds "no difference" was not told apart.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from neol.analysis.labels import method_label, shown_methods, task_label, three_figures
+from neol.analysis.labels import listed, method_label, shown_methods, task_label, three_figures
 from neol.analysis.runs import Campaign
 from neol.analysis.statistics import ALPHA
 from neol.campaign import cells
@@ -34,7 +34,7 @@ def verdicts(ledger: pd.DataFrame) -> list[str]:
         parts = ledger[(ledger["verdict"] == each) & (ledger["part_verdict"] == each)]
         tasks = dict.fromkeys(task for some in parts["tasks"] for task in some.split(","))
         if tasks:
-            sentences.append(f"What is {each} is about {_listed(map(task_label, tasks))}.")
+            sentences.append(f"What is {each} is about {listed(map(task_label, tasks))}.")
     return sentences
 
 
@@ -126,7 +126,7 @@ def told_by_sensitivity(table: pd.DataFrame) -> list[str]:
         f"{ALPHA * len(tried):.0f} would be by chance."
     )
     if idle.any():
-        names = _listed(constants[name] for name in dict.fromkeys(varied[idle]["variant"]))
+        names = listed(constants[name] for name in dict.fromkeys(varied[idle]["variant"]))
         sentences.append(
             f"Acted on nothing, each run being the baseline's, in {idle.sum()} trials: {names}."
         )
@@ -166,7 +166,7 @@ def _apart(effects: pd.DataFrame, outcome: str, against: str) -> str:
             methods = [row["method"] for row in rows.to_dict("records") if _side(row) == side]
             if methods:
                 found.append(
-                    f"{_listed(map(method_label, methods))} on {task_label(str(task))} ({side})"
+                    f"{listed(map(method_label, methods))} on {task_label(str(task))} ({side})"
                 )
     return ", ".join(found)
 
@@ -179,12 +179,6 @@ def _entry(row: Mapping[Any, Any]) -> str:
 
 def _place(task: str) -> str:
     return "All tasks together" if task == "all" else task_label(task)
-
-
-def _listed(words: Iterable[str]) -> str:
-    """BCM, Hebb and Oja"""
-    *others, last = words
-    return f"{', '.join(others)} and {last}" if others else last
 
 
 def _range(values: "pd.Series[float]") -> str:

@@ -167,8 +167,8 @@ def test_the_caption_says_the_budget(campaign: Campaign) -> None:
 
 def test_only_the_papers_budget_is_the_papers() -> None:
     assert "Reduced" not in describe_budget(load_configuration("paper"))
-    assert describe_budget(select("paper", "hopper,cartpole")).startswith(
-        "Budget paper, CartPole and Hopper only: G = 500 generations, 30 seeds, "
+    assert describe_budget(select("paper", "hopper,lunar_lander,cartpole")).startswith(
+        "Budget paper, CartPole, Lunar Lander and Hopper only: G = 500 generations, 30 seeds, "
     )
     assert "Reduced" not in describe_budget(select("paper", "cartpole"))
     assert "Reduced" in describe_budget(load_configuration("paper", ["budget.seeds=29"]))
