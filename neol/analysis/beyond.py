@@ -35,6 +35,8 @@ from neol.analysis.statistics import (
 from neol.constants import Budget
 
 ABLATION = "neat_wo"
+FITNESS, SCORE, HELD_OUT = OUTCOMES = "final fitness", "SCORE", "held-out return"
+"""What methods are compared by."""
 
 
 class Comparison(NamedTuple):
@@ -55,12 +57,12 @@ class Comparison(NamedTuple):
 
 
 COMPARISONS = (
-    Comparison("final fitness", "table3", "final_best", "neat", True, 5),
-    Comparison("SCORE", "score", "score", "neat", True, 6),
-    Comparison("held-out return", "table3", "held_out", "neat", False),
-    Comparison("final fitness", "table4", "final_best", ABLATION, True),
-    Comparison("SCORE", "score", "score", ABLATION, True),
-    Comparison("held-out return", "table4", "held_out", ABLATION, False),
+    Comparison(FITNESS, "table3", "final_best", "neat", True, 5),
+    Comparison(SCORE, "score", "score", "neat", True, 6),
+    Comparison(HELD_OUT, "table3", "held_out", "neat", False),
+    Comparison(FITNESS, "table4", "final_best", ABLATION, True),
+    Comparison(SCORE, "score", "score", ABLATION, True),
+    Comparison(HELD_OUT, "table4", "held_out", ABLATION, False),
 )
 """Four of three rules on four tasks make the declared family of 48 tests."""
 SOLVED = {"cartpole": 475.0, "lunar_lander": 200.0, "hopper": 3800.0, "bipedal_walker": 300.0}

@@ -22,7 +22,6 @@ NO_LINE = (
     "A mark without a line: all runs tie, or all of one side are higher, and so are all resamples; "
     "that does not make it certain."
 )
-OUTCOMES = {"final_best": "Final fitness", "score": "SCORE", "held_out": "Held-out return"}
 METRIC_LABELS = {
     "score": "SCORE",
     "equal_evaluations": "Best return so far,\nequal evaluations",
@@ -54,7 +53,8 @@ def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
                 axis.plot(row["paper_a12"], place, "x", color="black", markersize=4)
         axes[0].set_yticks(list(places.values()), [method_label(each) for *_, each in places])
         for comparison, top in zip(COMPARISONS, tops, strict=True):
-            text = f"{OUTCOMES[comparison.metric]} vs {method_label(comparison.against)}"
+            text = f"{comparison.outcome} vs {method_label(comparison.against)}"
+            text = f"{text[0].upper()}{text[1:]}"
             label = axes[0].text(-0.01, top + 0.62, text, size=7, color=GREY, bbox=GROUND)
             label.set_in_layout(False)
         axes[0].set_ylim(bottom - 0.5, tops[0] + 1.2)

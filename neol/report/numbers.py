@@ -12,6 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 from neol.analysis import reference
+from neol.analysis.beyond import FITNESS
 from neol.analysis.captions import (
     describe_generations,
     describe_name,
@@ -98,8 +99,8 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
     steps = open_claims.steps(vouched_frame(figures / "claims.csv"), configuration)
     sensitivity = vouched_frame(figures / "beyond_sensitivity.csv")
     return {
-        "toldapart": _items(words.told_apart(effects, words.FITNESS, "neat")),
-        "toldapartablation": _items(words.told_apart(effects, words.FITNESS, "neat_wo")),
+        "toldapart": _items(words.told_apart(effects, FITNESS, "neat")),
+        "toldapartablation": _items(words.told_apart(effects, FITNESS, "neat_wo")),
         "summary": escape(" ".join(words.summary(effects))),
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(words.flattered(vouched_frame(figures / "beyond_selection.csv"))),

@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from neol.analysis.beyond import OUTCOMES
 from neol.analysis.labels import listed, method_label, shown_methods, task_label, three_figures
 from neol.analysis.runs import Campaign
 from neol.analysis.statistics import ALPHA
 from neol.campaign import cells
 from neol.sensitivity import BASELINE, variants
-
-FITNESS, SCORE, HELD_OUT = OUTCOMES = "final fitness", "SCORE", "held-out return"
 
 
 def verdicts(ledger: pd.DataFrame) -> list[str]:

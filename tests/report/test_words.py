@@ -6,13 +6,14 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from neol.analysis.beyond import FITNESS
 from neol.analysis.runs import Campaign
 from neol.report import words
 
 
 def effects(**row: Any) -> pd.DataFrame:
     """One comparison with NEAT on Hopper."""
-    there = {"outcome": words.FITNESS, "task": "hopper", "method": "bcm", "seeds": 10}
+    there = {"outcome": FITNESS, "task": "hopper", "method": "bcm", "seeds": 10}
     there |= {"against": "neat"}
     return pd.DataFrame([there | {"a12": 0.5, "low": 0.2, "high": 0.8, "p_holm": 1.0} | row])
 
@@ -30,7 +31,7 @@ def test_a_rule_is_above_or_below_only_where_its_interval_is(
     a12: float, low: float, high: float, said: str
 ) -> None:
     table = effects(a12=a12, low=low, high=high)
-    assert words.told_apart(table, words.FITNESS, "neat") == [
+    assert words.told_apart(table, FITNESS, "neat") == [
         f"Hopper: BCM {a12:.2f} [{low:.2f}, {high:.2f}] {said}."
     ]
 
@@ -41,7 +42,7 @@ def test_rules_are_told_side_by_side() -> None:
         effects(method="hebb"),
         effects(method="oja", a12=0.8, low=0.7, high=1.0),
     ]
-    (sentence,) = words.told_apart(pd.concat(rows), words.FITNESS, "neat")
+    (sentence,) = words.told_apart(pd.concat(rows), FITNESS, "neat")
     assert sentence == (
         "Hopper: BCM 0.90 [0.80, 1.00], Oja 0.80 [0.70, 1.00] above NEAT; "
         "Hebb 0.50 [0.20, 0.80] not told apart from NEAT."
@@ -49,7 +50,7 @@ def test_rules_are_told_side_by_side() -> None:
     assert words.effects_table(pd.concat(rows), "neat") == [
         ["outcome", "task", "BCM", "Hebb", "Oja"],
         [
-            words.FITNESS,
+            FITNESS,
             "Hopper",
             "**0.90 [0.80, 1.00]**",
             "0.50 [0.20, 0.80]",
@@ -105,7 +106,7 @@ def test_the_share_of_generations_with_one_species(campaign: Campaign) -> None:
 
 def test_no_run_is_no_comparison() -> None:
     table = effects(seeds=0, a12=math.nan, low=math.nan, high=math.nan)
-    (sentence,) = words.told_apart(table, words.FITNESS, "neat")
+    (sentence,) = words.told_apart(table, FITNESS, "neat")
     assert sentence == "Hopper: BCM cannot be compared with NEAT."
 
 
