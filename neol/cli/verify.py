@@ -14,16 +14,25 @@ if TYPE_CHECKING:
     from neol.verification.replays import Run
 
 
-@app.command(epilog=examples("neol manifest results/demo"))
+@app.command(
+    epilog=examples(
+        "neol manifest results/demo",
+        "neol manifest results/paper --tasks cartpole",
+    )
+)
 def manifest(
     folder: Annotated[
         Path, typer.Argument(metavar="FOLDER", help="The folder of one budget's records.")
     ],
+    tasks: Annotated[
+        str,
+        typer.Option(help="Those of its tasks whose records are all there, like cartpole,hopper."),
+    ] = "",
 ) -> None:
     """Write FOLDER/manifest.json anew: the records below it, their digests, what made them."""
     from neol.verification.manifest import NAME, write_manifest
 
-    written = write_manifest(folder)
+    written = write_manifest(folder, tasks)
     print(f"{folder / NAME}: {len(written.records)} records")
 
 

@@ -17,6 +17,7 @@ from neol.model import Model
 from neol.record import Record
 from neol.records import MAX_BYTES as MAX_RECORD_BYTES
 from neol.records import parse_record, records_below
+from neol.selection import chosen_tasks, select
 from neol.spec import budgets, load_configuration
 
 NAME = "manifest.json"
@@ -64,8 +65,14 @@ class Manifest(Model):
     version: Literal[1] = 1
     budget: str | None
     """That all of them belong to."""
+    tasks: tuple[str, ...] = ()
+    """Those of the budget's that it speaks for; none where it speaks for all."""
     records: tuple[Entry, ...]
     """By path."""
+
+    def covers(self, job: Job) -> bool:
+        """Whether it speaks for the record of this job."""
+        return not self.tasks or job.spec.task.name in self.tasks
 
 
 def records_of(budget: str | None) -> dict[str, Job]:
@@ -77,35 +84,33 @@ def records_of(budget: str | None) -> dict[str, Job]:
     return {job.record.relative_to(home).as_posix(): job for job in every}
 
 
-def write_manifest(folder: Path) -> Manifest:
+def write_manifest(folder: Path, tasks: str = "") -> Manifest:
     """Write the manifest of the records below a folder, atomically; same records, same bytes.
 
+    It speaks for all tasks of the budget, or for these: "cartpole,hopper".
     Raises UserError for a record that is not whole, of another budget than the first, or none
-    that its budget has there.
+    that these tasks have there; and for a task that the budget does not have.
     """
-    entries: list[Entry] = []
-    firsts: dict[str | None, Path] = {}
-    for path in records_below(folder):
-        content = read_bounded(path, MAX_RECORD_BYTES)
-        record = parse_record(path, content)
-        entries.append(Entry.of(path.relative_to(folder).as_posix(), content, record))
-        firsts.setdefault(record.budget, path)
-    if not entries:
-        raise UserError(f"{folder}: holds no records")
-    if len(firsts) > 1:
-        (one, first), (other, second) = list(firsts.items())[:2]
-        raise UserError(
-            f"{second}: is of budget {other}, {first} of {one}; give each budget its own folder"
-        )
-    (budget,) = firsts
-    of_budget = records_of(budget)
-    strangers = [entry.path for entry in entries if entry.path not in of_budget]
-    if of_budget and strangers:
-        raise UserError(
-            f"{folder / strangers[0]}: budget {budget} has no record of this name; "
-            f"a manifest is for a budget's own folder, like {RESULTS}/{budget}"
-        )
-    manifest = Manifest(budget=budget, records=tuple(entries))
+    budget, entries = _entries(folder)
+    jobs_of_budget = records_of(budget)
+    chosen: tuple[str, ...] = ()
+    if budget and jobs_of_budget:
+        chosen = chosen_tasks(select(budget, tasks).budget)
+    elif tasks:
+        raise UserError(f"{folder}: its records are of no budget that config/ has, so of no tasks")
+    manifest = Manifest(budget=budget, tasks=chosen, records=entries)
+    for entry in entries if jobs_of_budget else ():
+        job = jobs_of_budget.get(entry.path)
+        if job is None:
+            raise UserError(
+                f"{folder / entry.path}: budget {budget} has no record of this name; "
+                f"a manifest is for a budget's own folder, like {RESULTS}/{budget}"
+            )
+        if not manifest.covers(job):
+            raise UserError(
+                f"{folder / entry.path}: is of task {job.spec.task.name}, not of {tasks}; "
+                "name all tasks whose records are here"
+            )
     write_atomically(folder / NAME, _text(manifest).encode())
     return manifest
 
@@ -124,8 +129,30 @@ def read_manifest(folder: Path) -> Manifest:
     return manifest
 
 
+def _entries(folder: Path) -> tuple[str | None, tuple[Entry, ...]]:
+    """The budget of the records below a folder, and their entries. Raises UserError for several."""
+    entries: list[Entry] = []
+    firsts: dict[str | None, Path] = {}
+    for path in records_below(folder):
+        content = read_bounded(path, MAX_RECORD_BYTES)
+        record = parse_record(path, content)
+        entries.append(Entry.of(path.relative_to(folder).as_posix(), content, record))
+        firsts.setdefault(record.budget, path)
+    if not entries:
+        raise UserError(f"{folder}: holds no records")
+    if len(firsts) > 1:
+        (one, first), (other, second) = list(firsts.items())[:2]
+        raise UserError(
+            f"{second}: is of budget {other}, {first} of {one}; give each budget its own folder"
+        )
+    (budget,) = firsts
+    return budget, tuple(entries)
+
+
 def _text(manifest: Manifest) -> str:
     """As JSON, a line a record."""
-    head = json.dumps({"version": manifest.version, "budget": manifest.budget})[:-1]
+    about = manifest.model_dump(mode="json", include={"version", "budget"})
+    about |= {"tasks": list(manifest.tasks)} if manifest.tasks else {}
+    head = json.dumps(about)[:-1]
     entries = ",\n".join(json.dumps(entry.model_dump(mode="json")) for entry in manifest.records)
     return f'{head}, "records": [\n{entries}\n]}}\n'

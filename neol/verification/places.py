@@ -11,7 +11,7 @@ from neol.jobs import SENSITIVITY, Job
 from neol.record import Record
 from neol.records import first_difference
 from neol.verification import manifest
-from neol.verification.manifest import Entry, read_manifest, records_of
+from neol.verification.manifest import Entry, Manifest, read_manifest, records_of
 
 
 def absolute(path: Path) -> Path:
@@ -39,19 +39,17 @@ class ManifestFolder:
 
     def __init__(self, folder: Path, budgets: Budgets) -> None:
         self.folder = folder
-        self.budget: str | None = None
         self.damage: str | None = None
         """What is wrong with the manifest itself; nothing else is then known."""
-        self._entries: dict[str, Entry] = {}
+        self._manifest = Manifest(budget=None, records=())
         self._budgets = budgets
         path = folder / manifest.NAME
         try:
-            content = read_manifest(folder)
+            self._manifest = read_manifest(folder)
         except UserError as error:
             self.damage = str(error).removeprefix(f"{path}: ")
-        else:
-            self.budget = content.budget
-            self._entries = {entry.path: entry for entry in content.records}
+        self.budget = self._manifest.budget
+        self._entries = {entry.path: entry for entry in self._manifest.records}
 
     def problems(self, path: Path, content: bytes, record: Record) -> Iterator[str]:
         """What is wrong with the place here of a record, read from this content."""
@@ -84,10 +82,11 @@ class ManifestFolder:
                 meaning += f"{self.budget} has it: dropped, or not yet run by then"
                 yield self.folder / name, meaning
 
-    def _all_or_nothing(self) -> Iterable[str]:
-        """The records that the budget must have: a sensitivity study may be left out as a whole."""
+    def _all_or_nothing(self) -> Iterator[str]:
+        """The records that must be there: a sensitivity study may be left out as a whole."""
         jobs, cells = self._budgets.jobs(self.budget), self._budgets.cells(self.budget)
-        return jobs if self._entries.keys() & (jobs.keys() - cells) else cells
+        must = jobs if self._entries.keys() & (jobs.keys() - cells) else cells
+        return (name for name in must if self._manifest.covers(jobs[name]))
 
     def _misplaced(self, record: Record, entry: Entry) -> Iterator[str]:
         """Whether it is the record that its budget has in this place."""
@@ -99,6 +98,9 @@ class ManifestFolder:
             if job is None:
                 yield f"budget {self.budget} has no record of this name"
                 return
+            if not self._manifest.covers(job):
+                tasks = ", ".join(self._manifest.tasks)
+                yield f"of task {job.spec.task.name}, {manifest.NAME} speaks for {tasks} alone"
             if difference := first_difference(record.spec.without_seed(), job.spec):
                 yield f"not what budget {self.budget} has here: {difference}"
             if entry.seeds != tuple(job.seeds):

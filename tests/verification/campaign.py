@@ -31,6 +31,7 @@ OJA, HEBB, NEAT = (
     f"cartpole/{cell}/seeds_000-002.parquet"
     for cell in ("oja/p006_lr0.25", "hebb/p006_lr0.25", "neat/p006")
 )
+HOPPER = "hopper/neat/p006/seeds_000-002.parquet"
 TRIALS = [f"sensitivity/baseline/cartpole_{method}.parquet" for method in ("bcm", "neat")]
 
 
@@ -50,14 +51,19 @@ def make_campaign(folder: Path) -> None:
     write_manifest(folder)
 
 
-def patch_budget() -> Any:
-    """Let the budget be these three records and a study of two trials; a context manager."""
-    return mock.patch("neol.verification.manifest.jobs", lambda asked: _few(asked.budget.name))
+def patch_budget(*more: str) -> Any:
+    """Let the budget be these three records, a study of two trials and what is named.
+
+    A context manager.
+    """
+    return mock.patch(
+        "neol.verification.manifest.jobs", lambda asked: _few(asked.budget.name, more)
+    )
 
 
 @cache
-def _few(budget: str) -> list[Job]:
-    names = [RESULTS / budget / name for name in (OJA, HEBB, NEAT, *TRIALS)]
+def _few(budget: str, more: tuple[str, ...]) -> list[Job]:
+    names = [RESULTS / budget / name for name in (OJA, HEBB, NEAT, *TRIALS, *more)]
     return [job for job in jobs(load_configuration(budget)) if job.record in names]
 
 

@@ -29,6 +29,7 @@ from tests.damage import Json, forge_record
 from tests.test_digests import SAME_LAST_BITS
 from tests.verification.campaign import (
     HEBB,
+    HOPPER,
     MADE_BY,
     NEAT,
     OJA,
@@ -177,6 +178,38 @@ def test_an_unfinished_campaign_is_no_finding_but_said(campaign: Path, tmp_path:
     assert "2 of 3 records of budget smoke, 2 in no manifest.json" in outcome.stdout
     write_manifest(tmp_path / "smoke")
     assert f"{OJA}: missing, and manifest.json leaves it out" in neol("verify", tmp_path).stdout
+
+
+def test_a_manifest_can_speak_for_some_tasks(campaign: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "smoke"
+    shutil.copytree(campaign, folder)
+    with patch_budget(HOPPER):
+        write_manifest(folder)
+        assert (
+            f"{HOPPER}: missing, and manifest.json leaves it out" in neol("verify", folder).stdout
+        )
+        assert neol("manifest", folder, "--tasks", "cartpole").exit_code == 0
+        assert read_manifest(folder).tasks == ("cartpole",)
+        said = "3 records of 9 runs checked, 3 of 4 records of budget smoke: all well\n"
+        assert neol("verify", folder).stdout == said
+        (folder / OJA).unlink()
+        write_manifest(folder, "cartpole")
+        assert f"{OJA}: missing, and manifest.json leaves it out" in neol("verify", folder).stdout
+
+
+@pytest.mark.parametrize(
+    ("tasks", "line"),
+    [
+        ("hopper", f"{HEBB}: is of task cartpole, not of hopper; name all tasks"),
+        ("hoper", 'budget smoke has no task "hoper", did you mean "hopper"?'),
+    ],
+)
+def test_a_manifest_of_other_tasks_is_refused(campaign: Path, tasks: str, line: str) -> None:
+    before = (campaign / NAME).read_bytes()
+    outcome = neol("manifest", campaign, "--tasks", tasks)
+    assert outcome.exit_code == 2
+    assert line in outcome.stderr
+    assert (campaign / NAME).read_bytes() == before
 
 
 def test_of_a_sensitivity_study_all_trials_are_there_or_none(
