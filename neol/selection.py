@@ -8,7 +8,7 @@ from neol.constants import Budget
 from neol.errors import UserError
 from neol.spec import Configuration, load_configuration
 
-SHOWN_BUDGET = "smoke"
+SHOWN_BUDGET = "desk"
 """Where none is named."""
 FIGURES = Path("figures")
 
