@@ -46,11 +46,12 @@ try:
 except UserError as error:
     sys.exit(f"neol: {error}")
 LABEL, FIGURES = label(CONFIGURATION.budget), str(figures_folder(CONFIGURATION.budget))
-ELSEWHERE = (
-    "figures/.+/.+"
-    if FIGURES == "figures"
-    else rf"paper/reproduction\.pdf|figures/(?!{re.escape(LABEL)}/).+"
-)
+if FIGURES == "figures":
+    RESULTS_PAGE = "docs/results.md"
+    ELSEWHERE = r"docs/results-.+\.md|figures/.+/.+"
+else:
+    RESULTS_PAGE = f"docs/results-{LABEL}.md"
+    ELSEWHERE = rf"docs/results(?!-{re.escape(LABEL)}\.).*\.md|paper/reproduction\.pdf|figures/(?!{re.escape(LABEL)}/).+"
 ALIVE = clear_stale_locks()
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
@@ -127,12 +128,16 @@ def code(*, draws):
 def ask_otherwise(wildcards):
     """Refuse what another budget shows, and say what to ask for."""
     path = Path(wildcards.elsewhere)
-    other = re.fullmatch(f"figures/({'|'.join(budgets())})(?:-(.+))?", str(path.parent))
-    if other and path.parent.name not in (LABEL, SHOWN_BUDGET):
-        budget, tasks = other.groups()
+    page = path.parent == Path("docs")
+    place = path.with_suffix("") if page else path.parent
+    budget = f"({'|'.join(budgets())})(?:-(.+))?"
+    other = re.fullmatch(f"(?:figures/|docs/results-)({budget})", str(place))
+    if other and other[1] not in (LABEL, SHOWN_BUDGET):
+        _, budget, tasks = other.groups()
         options = f"budget={budget}" + (f" tasks={tasks}" if tasks else "")
         sys.exit(f"neol: {path} needs --config {options}")
-    sys.exit(f"neol: {path} does not show {LABEL}: ask for {FIGURES}/{path.name}")
+    wanted = RESULTS_PAGE if page else f"{FIGURES}/{path.name}"
+    sys.exit(f"neol: {path} does not show {LABEL}: ask for {wanted}")
 
 
 heatmaps = [f"figure{number}" for number in heatmaps_of(CONFIGURATION.budget)]

@@ -1,7 +1,7 @@
 """What is told of the results.
 
-The page figures/report.html; the paper paper/reproduction.pdf, which needs LaTeX; and docs/results.md, of which the
-repository has that of the largest budget whose runs are there.
+The page figures/report.html; the paper paper/reproduction.pdf, which needs LaTeX; and docs/results.md, which the
+repository has too, with another page for CartPole at the paper's budget.
 """
 
 REPORT = f"{FIGURES}/report.html"
@@ -78,8 +78,8 @@ rule results_page:
         picture=f"{FIGURES}/figure2.png",
         code=WORDS,
     output:
-        page="docs/results.md",
-        picture="docs/results.png",
+        page=RESULTS_PAGE,
+        picture=str(Path(RESULTS_PAGE).with_suffix(".png")),
     log:
         f"logs/{LABEL}/results_page.log",
     benchmark:

@@ -1,6 +1,7 @@
 """The page docs/results.md: what a budget supports, contradicts and leaves open.
 
-`results.md.j2` is its text, `words` has its sentences.
+Another budget than the shown one has docs/results-paper-cartpole.md or the like. `results.md.j2`
+is its text, `words` has its sentences.
 """
 
 import math
@@ -23,8 +24,8 @@ from neol.report.templates import render
 from neol.selection import snakemake_options
 
 
-def page(campaign: Campaign, figures: Path, picture: str) -> str:
-    """The results as Markdown; `picture` is the path of Figure 2 from there.
+def page(campaign: Campaign, figures: Path, name: str) -> str:
+    """The results as Markdown, for the file of this name; Figure 2 lies beside it.
 
     Raises UserError where a table is not there, or is not what its sidecar or the records say.
     """
@@ -36,6 +37,7 @@ def page(campaign: Campaign, figures: Path, picture: str) -> str:
     estimated = open_claims.core_hours(configuration, configuration.budget.seeds)
     return render(
         "results.md.j2",
+        name=name,
         options=snakemake_options(configuration.budget),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
@@ -48,7 +50,6 @@ def page(campaign: Campaign, figures: Path, picture: str) -> str:
         after_correction=words.after_correction(effects),
         flattered=words.flattered(vouched_frame(figures / "beyond_selection.csv")),
         table=table._repr_html_(),
-        picture=picture,
         judged=_judged(ledger),
         steps=open_claims.steps(ledger, configuration),
         estimated="nothing" if estimated is None else three_figures(estimated),
@@ -80,7 +81,7 @@ def _effect(row: Mapping[Any, Any]) -> str:
 def write_page(campaign: Campaign, figures: Path, output: Path) -> None:
     """Write the page of a budget, and Figure 2 beside it."""
     picture, _ = vouched(figures / "figure2.png")
-    write_atomically(output, page(campaign, figures, output.with_suffix(".png").name).encode())
+    write_atomically(output, page(campaign, figures, output.stem).encode())
     write_atomically(output.with_suffix(".png"), picture)
 
 

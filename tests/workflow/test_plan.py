@@ -181,6 +181,11 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
             ["paper/reproduction.pdf", "--config", "budget=demo"],
             "ask for figures/demo/reproduction.pdf",
         ),
+        (
+            ["docs/results.md", "--config", "budget=paper", "tasks=cartpole"],
+            "ask for docs/results-paper-cartpole.md",
+        ),
+        (["docs/results-paper-cartpole.md"], "needs --config budget=paper tasks=cartpole"),
         (["figures/paper/table1.tex"], "needs --config budget=paper"),
         (["figures/paper-hopper/table1.tex"], "needs --config budget=paper tasks=hopper"),
         ([f"figures/{SHOWN_BUDGET}/table1.tex"], "ask for figures/table1.tex"),
