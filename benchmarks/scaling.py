@@ -56,6 +56,33 @@ def comparison(get: Get, budget: str) -> str:
     return markdown(header, rows)
 
 
+def spent(budget: str) -> str:
+    """What the records of a budget say that they took, the sensitivity study's apart."""
+    parts = []
+    for job in jobs(load_configuration(budget)):
+        if (ROOT / job.record).exists():
+            record = read_record(ROOT / job.record, job.spec)
+            steps = sum(record.rows_of(seed)["env_steps"][-1] for seed in job.seeds)
+            took = (len(job.seeds), steps, sum(info.cpu_seconds for info in record.seeds))
+            none = (0, 0, 0.0)
+            of_each = (*none, *took) if job.part == SENSITIVITY else (*took, *none)
+            parts.append((job.spec.task.name, of_each))
+    rows = [
+        [
+            task,
+            *(
+                text
+                for runs, steps, seconds in (values[:3], values[3:])
+                for text in (f"{runs:,.0f}", f"{steps / 1e6:,.0f}", f"{seconds / HOUR:.2f}")
+            ),
+        ]
+        for task, values in _sums(parts)
+    ]
+    header = [f"`{budget}`, from its records", "runs of the grid", "million steps", "core-hours"]
+    header += ["runs of the sensitivity study", "million steps", "core-hours"]
+    return markdown(header, rows)
+
+
 @dataclass(frozen=True)
 class Cost:
     """Of all runs of a job, in core-seconds."""
@@ -176,6 +203,6 @@ def _days(jobs: Iterable[float], cores: int) -> float:
 if __name__ == "__main__":
     name = sys.argv[1] if len(sys.argv) == 2 else "paper"
     try:
-        print(f"{prediction(shipped, name)}\n{comparison(shipped, name)}")
+        print(f"{prediction(shipped, name)}\n{comparison(shipped, name)}\n{spent(name)}")
     except UserError as error:
         sys.exit(f"neol: {error}")

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from benchmarks.report import render, write
-from benchmarks.scaling import BEGIN, END, replace_generated
+from benchmarks.scaling import BEGIN, END, replace_generated, spent
 from benchmarks.table import Key, markdown, number, percent, summarise
+from neol.spec import ROOT
 
 ABOUT = {"CPU": "2 x Abacus", "Date": "2026-01-01", "Run": "made up"}
 
@@ -65,6 +66,10 @@ def test_the_page_says_which_targets_are_met(tmp_path: Path) -> None:
     assert "| ≤ 1.50 µs or ≤ 1.30 × C | 2.40 µs, 1.60 × C | **missed** |" in page
     assert "CartPole |" not in page
     assert (tmp_path / "benchmarks.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_the_desk_budget_took_is_what_its_records_say() -> None:
+    assert f"\n{spent('desk')}\n" in (ROOT / "docs" / "scaling.md").read_text(encoding="utf-8")
 
 
 def test_scaling_is_written_between_its_markers(tmp_path: Path) -> None:
