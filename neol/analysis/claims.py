@@ -15,9 +15,9 @@ A claim is right if all its parts are. A part's effect is signed so that the cla
   two-sided test), no fewer seeds than the paper's 30 bear out.
 - undecided otherwise, and where a cell is not in the budget, lacks seeds (or one does that it was
   chosen among), or has fewer than 5. Fewer generations than the paper's 500 decide nothing that
-  more could overturn: that a level is not reached, or that larger populations do not pay at equal
-  cost; other comparisons they do, at this budget. But tasks of different numbers of generations are
-  not compared with each other.
+  more could overturn: that a level, or a lead of so many points, is not reached, or that larger
+  populations do not pay at equal cost; other comparisons they do, at this budget. But tasks of
+  different numbers of generations are not compared with each other.
 
 Claims overlap: several rest on the same runs and comparisons, so their numbers are no count of
 independent findings.

@@ -196,8 +196,14 @@ class Peak(Model):
                 metric=self.metric,
                 rule=by_interval(lead, picked=(len(inside), len(outside))),
                 among=(*inside, *outside) if found else (),
-                provisional=_of_sizes(self.metric) if self.where.populations else None,
+                provisional=self._provisional(),
             )
+
+    def _provisional(self) -> Literal["contradicted"] | None:
+        """What more generations could overturn: a lead of so much is a level, not yet reached."""
+        if self.margin:
+            return "contradicted"
+        return _of_sizes(self.metric) if self.where.populations else None
 
 
 class Sensitivity(Model):

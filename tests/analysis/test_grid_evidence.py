@@ -188,6 +188,13 @@ class TestPeak:
         assert verdict(self.VALUES, **test, margin=4) == "supported"
         assert verdict(self.VALUES, **test, margin=12) == "contradicted"
 
+    def test_more_generations_could_still_bring_the_margin(self) -> None:
+        test = self.TEST | {"against": ["neat"], "generations": 100}
+        (finding,) = decision(self.VALUES, **test, margin=12).findings
+        assert (finding.verdict, finding.reason) == ("undecided", "fewer than 500 generations")
+        assert verdict(self.VALUES, **test, margin=4) == "supported"
+        assert verdict(self.VALUES, **self.TEST, where={"learning_rates": [0.2]}) == "contradicted"
+
     @pytest.mark.parametrize("inside", ["one cell", "all but one"])
     def test_where_nothing_differs_noise_seldom_decides(self, inside: str) -> None:
         """Of many noisy cells one is always the highest; that must count neither way."""
