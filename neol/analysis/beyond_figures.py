@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
+from matplotlib.transforms import blended_transform_factory
 
 from neol.analysis.beyond import COMPARISONS, SOLVED
 from neol.analysis.labels import method_label, shown_methods, task_label
@@ -52,10 +53,13 @@ def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
                 _interval(axis, place, row, "a12", looks[row["method"]])
                 axis.plot(row["paper_a12"], place, "x", color="black", markersize=4)
         axes[0].set_yticks(list(places.values()), [method_label(each) for *_, each in places])
+        from_the_left = blended_transform_factory(figure.transFigure, axes[0].transData)
         for comparison, top in zip(COMPARISONS, tops, strict=True):
             text = f"{comparison.outcome} vs {method_label(comparison.against)}"
             text = f"{text[0].upper()}{text[1:]}"
-            label = axes[0].text(-0.01, top + 0.62, text, size=7, color=GREY, bbox=GROUND)
+            label = axes[0].text(
+                0.008, top + 0.62, text, size=7, color=GREY, bbox=GROUND, transform=from_the_left
+            )
             label.set_in_layout(False)
         axes[0].set_ylim(bottom - 0.5, tops[0] + 1.2)
         _below(axes, "Probability that a run of the method ends higher (A12)")
