@@ -186,7 +186,7 @@ EXPECTED = {
     "lunar-lander-bcm-320": "undecided",  # populations of 200 and 300 are not in the budget
     "hopper-ridge": "undecided",  # the rate of 0.025 is not in the budget
     "hopper-hebb-below": "supported",
-    "hopper-neat-plateaus": "contradicted",  # 90 above NEAT, not 200
+    "hopper-neat-plateaus": "undecided",  # 90 above NEAT, not yet 200
     "bipedal-walker-lowest-rate": "supported",
     "neat-trails": "supported",
     "ablation-score-lunar-lander": "contradicted",  # BCM leads

@@ -100,7 +100,8 @@ def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     made_up = configuration()
     write_campaign(tmp_path / "made_up", made_up, {})
     table1(Campaign(made_up, tmp_path / "made_up")).write(tmp_path / "figures")
-    shutil.copytree(ROOT / "results" / "demo", tmp_path / "results" / "demo")
+    for budget in ("demo", "paper"):
+        shutil.copytree(ROOT / "results" / budget, tmp_path / "results" / budget)
     monkeypatch.chdir(tmp_path)
     for command in NAMES:
         assert examples(command), command
