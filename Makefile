@@ -37,7 +37,7 @@ docs: $(READY)
 
 lab: $(READY)
 	$(RUN) jupyter lab --LabApp.default_url=/lab/tree/notebooks/explore.ipynb \
-	    --FileContentsManager.pre_save_hook=neol.explore.saving.without_outputs
+	    --FileContentsManager.pre_save_hook=neol.study.explore.saving.without_outputs
 
 test: $(READY)
 	$(RUN) ruff check
@@ -68,11 +68,11 @@ $(ENVIRONMENT): environment.lock
 	    /^Installing collected/                      { print "  installing " n;          fflush() }'
 	@touch $@
 
-CORE        := $(wildcard $(addprefix neol/rollout/box2d/,*.?pp stub/*.h stub/Box2D/Common/*.h *.lock build.py library.py))
+CORE        := $(wildcard $(addprefix neol/rollout/worlds/box2d/,*.?pp stub/*.h stub/Box2D/Common/*.h *.lock build.py library.py))
 
 $(READY): $(ENVIRONMENT) pyproject.toml $(CORE)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
-	-@$(BIN)/python -m neol.rollout.box2d.build
+	-@$(BIN)/python -m neol.rollout.worlds.box2d.build
 	@touch $@
 
 # uv resolves for every supported Python and system at once; connection-pool and rliable have no wheels.
@@ -87,4 +87,4 @@ lock:
 clean:
 	rm -rf $(VENV) .venv-lock .snakemake .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist
 	find neol tests -name __pycache__ -prune -exec rm -rf {} +
-	rm -f neol/rollout/box2d/core.*so neol/rollout/box2d/core.dylib
+	rm -f neol/rollout/worlds/box2d/core.*so neol/rollout/worlds/box2d/core.dylib

@@ -1,5 +1,5 @@
-/* The yardstick of network and plasticity: the loop of neol.network.forward and
- * neol.plasticity.learn over recorded episodes, as plain C for `cc -O3`. It gives the same bits. */
+/* The yardstick of network and plasticity: the loop of neol.network.forward.forward and
+ * neol.network.plasticity.learn over recorded episodes, as plain C for `cc -O3`. It gives the same bits. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>

@@ -8,7 +8,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from neol.spec import RunSpec, load_configuration
+from neol.spec.configuration import load_configuration
+from neol.spec.run_spec import RunSpec
 
 Values = dict[str, float]
 Measurement = Callable[[], Values]

@@ -8,8 +8,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from neol.run import run_block
-from neol.spec import load_configuration
+from neol.run.runner import run_block
+from neol.spec.configuration import load_configuration
 
 
 def main() -> None:

@@ -4,12 +4,13 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.trajectories import Recording, record
-from neol.evolution import Evolution
 from neol.neat.genome import decode
-from neol.network import ACTIVATIONS, Networks
+from neol.network.forward import ACTIVATIONS, Networks
+from neol.random.seeds import episode_seeds
 from neol.rollout.engine import Engine
-from neol.seeding import episode_seeds
-from neol.spec import RunSpec, load_configuration
+from neol.run.evolution import Evolution
+from neol.spec.configuration import load_configuration
+from neol.spec.run_spec import RunSpec
 
 HIDDEN, CONNECTIONS = 30, 300
 

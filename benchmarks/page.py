@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from benchmarks.measure import RULES
 from benchmarks.table import PARTS, TITLES, Table, markdown, number, percent
 from benchmarks.targets import targets
-from neol.cost import NEAT_POPULATION
+from neol.study.campaign.cost import NEAT_POPULATION
 
 
 def page(table: Table, about: Mapping[str, str]) -> str:

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 
-from neol.constants import Plasticity
-from neol.errors import UserError
-from neol.seeding import episode_seeds
-from neol.spec import RunSpec
+from neol.base.errors import UserError
+from neol.random.seeds import episode_seeds
+from neol.spec.constants import Plasticity
+from neol.spec.run_spec import RunSpec
 
 try:
     import neat

@@ -14,8 +14,8 @@ from benchmarks.page import page
 from benchmarks.plot import plot
 from benchmarks.scaling import replace_generated, scaling
 from benchmarks.table import Table
-from neol.files import write_atomically
-from neol.provenance import provenance
+from neol.base.files import write_atomically
+from neol.run.provenance import provenance
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 

@@ -17,8 +17,7 @@ from typing import NoReturn
 from benchmarks import report, runs, steps
 from benchmarks.measure import FULL, POPULATION, QUICK, Measurement, Scale, run_spec_of
 from benchmarks.table import Key, summarise
-from neol.complaint import hint
-from neol.errors import UserError
+from neol.base.errors import UserError, hint
 from neol.rollout import make_engine
 
 

@@ -15,15 +15,15 @@ import numpy.typing as npt
 from benchmarks.measure import METHOD, POPULATION, Measurement, Values, cpu_seconds, run_spec_of
 from benchmarks.networks import join
 from benchmarks.trajectories import record, seconds_of_physics
-from neol import evolution
-from neol.constants import Plasticity
-from neol.evolution import Evolution
 from neol.neat.reproduction import Reproduction
-from neol.network import Networks
+from neol.network.forward import Networks
 from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.reference import network_size
-from neol.run import run_seed
-from neol.spec import RunSpec
+from neol.run import evolution
+from neol.run.evolution import Evolution
+from neol.run.runner import run_seed
+from neol.spec.constants import Plasticity
+from neol.spec.run_spec import RunSpec
 
 
 @dataclass

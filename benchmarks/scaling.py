@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from benchmarks.table import TITLES, Table, markdown, number
-from neol.analysis.reference import settings
-from neol.cost import Get, neat_seconds, run_seconds, shipped
-from neol.errors import UserError
-from neol.jobs import SENSITIVITY, Job, jobs
-from neol.records import read_record
-from neol.spec import ROOT, load_configuration
+from neol.base.errors import UserError
+from neol.run.record_file import read_record
+from neol.spec.configuration import ROOT, load_configuration
+from neol.study.campaign.cost import Get, neat_seconds, run_seconds, shipped
+from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
+from neol.study.outcomes.paper_numbers import settings
 
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
 CORES = (1, 8, 64, 512)

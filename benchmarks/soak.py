@@ -24,8 +24,8 @@ import numpy as np
 import numpy.typing as npt
 import psutil
 
-from neol.rollout.box2d.library import LIBRARY
-from neol.spec import ROOT, load_configuration
+from neol.rollout.worlds.box2d.library import LIBRARY
+from neol.spec.configuration import ROOT, load_configuration
 
 BUDGET = """
 budget:

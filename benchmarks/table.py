@@ -7,7 +7,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from benchmarks.measure import RULES
-from neol.cost import NEAT_POPULATION
+from neol.study.campaign.cost import NEAT_POPULATION
 
 Key = tuple[str, str, str]
 """Quantity, task, networks; empty where it is of no particular task or networks."""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from benchmarks.table import TITLES, Table, number, percent
-from neol.cost import NEAT_POPULATION
+from neol.study.campaign.cost import NEAT_POPULATION
 
 
 @dataclass(frozen=True)

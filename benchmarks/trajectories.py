@@ -17,17 +17,17 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Plasticity, Task
-from neol.foreign import call_void
-from neol.kernel import kernel
-from neol.network import Networks
-from neol.pcg64 import State, seed_pcg64
-from neol.rollout.box2d import library as box2d
+from neol.base.c_calls import call_void
+from neol.base.kernel import kernel
+from neol.network.forward import Networks
+from neol.random.pcg64 import State, seed_pcg64
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, play_batch
 from neol.rollout.fast import FastEngine
-from neol.rollout.hopper import FRAME_SKIP
 from neol.rollout.reference import make_environment
+from neol.rollout.worlds.box2d import library as box2d
+from neol.rollout.worlds.hopper import FRAME_SKIP
+from neol.spec.constants import Plasticity, Task
 
 Array = npt.NDArray[np.float64]
 

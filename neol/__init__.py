@@ -56,31 +56,33 @@ What is wrong with the input is a `UserError`: one line that says how to mend it
 
 >>> configuration.run_spec(task="carpole", method="neat", population=6, generations=2)
 Traceback (most recent call last):
-neol.errors.UserError: unknown task "carpole", did you mean "cartpole"? (allowed: cartpole, ...)
+neol.base.errors.UserError: unknown task "carpole", did you mean "cartpole"? (allowed: ...)
 """
 
 import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from neol.analysis.catalogue import table_of_runs
+    from neol.base.errors import UserError
     from neol.champions.player import Player, load_champion
-    from neol.errors import UserError
-    from neol.record import Record
-    from neol.records import read_record, write_record
-    from neol.rules import rule
-    from neol.run import evolve
-    from neol.spec import Configuration, RunSpec, load_configuration
+    from neol.network.rules import rule
+    from neol.run.catalogue import table_of_runs
+    from neol.run.record import Record
+    from neol.run.record_file import read_record, write_record
+    from neol.run.runner import evolve
+    from neol.spec.configuration import Configuration, load_configuration
+    from neol.spec.run_spec import RunSpec
 
 _MODULES = {
-    "neol.analysis.catalogue": ("table_of_runs",),
+    "neol.run.catalogue": ("table_of_runs",),
     "neol.champions.player": ("Player", "load_champion"),
-    "neol.errors": ("UserError",),
-    "neol.record": ("Record",),
-    "neol.records": ("read_record", "write_record"),
-    "neol.rules": ("rule",),
-    "neol.run": ("evolve",),
-    "neol.spec": ("Configuration", "RunSpec", "load_configuration"),
+    "neol.base.errors": ("UserError",),
+    "neol.run.record": ("Record",),
+    "neol.run.record_file": ("read_record", "write_record"),
+    "neol.network.rules": ("rule",),
+    "neol.run.runner": ("evolve",),
+    "neol.spec.configuration": ("Configuration", "load_configuration"),
+    "neol.spec.run_spec": ("RunSpec",),
 }
 """Where the names come from: a module is imported when one of its names is first used."""
 

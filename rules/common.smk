@@ -5,16 +5,16 @@ import sys
 from glob import glob
 from pathlib import Path
 
-from neol.analysis.choice import candidates
-from neol.analysis.labels import BEYOND, heatmaps_of
-from neol.campaign import blocks
-from neol.cost import walltime_minutes
-from neol.errors import UserError
-from neol.jobs import jobs
-from neol.partial import remove_if_complete
-from neol.selection import SHOWN_BUDGET, figures_folder, label, select
-from neol.spec import budgets
-from neol.workflow import clear_stale_locks, pattern
+from neol.study.outcomes.chosen_cells import candidates
+from neol.study.campaign.exhibits import BEYOND, heatmaps_of
+from neol.study.campaign.grid import blocks
+from neol.study.campaign.cost import walltime_minutes
+from neol.base.errors import UserError
+from neol.study.campaign.jobs import jobs
+from neol.run.workspace import remove_if_complete
+from neol.study.campaign.shown import SHOWN_BUDGET, figures_folder, label, select
+from neol.spec.configuration import budgets
+from neol.study.campaign.snakemake import clear_stale_locks, pattern
 
 TABLE, FIGURE = ("tex", "csv", "json"), ("pdf", "png", "json")
 CATEGORIES = {
@@ -23,14 +23,10 @@ CATEGORIES = {
     "claims": "Claims",
     "beyond": "Beyond the paper",
 }
-DRAWING = {
-    "style",
-    "drawing",
-    "figures",
-    "paper_figures",
-    "beyond_figures",
-    "comparison",
-}
+ANALYSIS, DRAWING = ("outcomes", "claims", "output", "tables"), (
+    "study/figures",
+    "pictures",
+)
 
 # The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
 # `snakemake --lint` asks of each rule.
@@ -121,8 +117,10 @@ def with_imports(*files):
 
 def code(*, draws):
     """What a notebook's outputs depend on: a change of drawing makes no table anew."""
-    files = glob("neol/analysis/*.py")
-    return with_imports(*(f for f in files if draws or Path(f).stem not in DRAWING))
+    folders = [f"study/{folder}" for folder in ANALYSIS] + [*DRAWING] * draws
+    return with_imports(
+        *(file for folder in folders for file in glob(f"neol/{folder}/*.py"))
+    )
 
 
 def ask_otherwise(wildcards):

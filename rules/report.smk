@@ -15,7 +15,10 @@ PICTURES = [
 NUMBERS = [path for path in made_by(*NOTEBOOKS) if path.endswith((".tex", ".csv"))]
 
 # What words and predictions of cost stand on.
-WORDS = sorted(glob("neol/report/*.*")) + ["neol/cost.py", "docs/benchmarks.csv"]
+WORDS = sorted(glob("neol/study/report/*.*")) + [
+    "neol/study/campaign/cost.py",
+    "docs/benchmarks.csv",
+]
 
 
 rule report:
@@ -25,7 +28,7 @@ rule report:
 
 rule showcase:
     input:
-        code=with_imports("neol/report/showcase.py", *glob("neol/champions/*.py")),
+        code=with_imports("neol/study/report/showcase.py", *glob("neol/champions/*.py")),
         records=shown("table3"),
     output:
         CHAMPIONS,
@@ -42,7 +45,7 @@ rule showcase:
         budget=BUDGET,
         tasks=TASKS,
     shell:
-        "python -m neol.report.showcase {params.budget} --tasks '{params.tasks}' {output} > {log} 2>&1"
+        "python -m neol.study.report.showcase {params.budget} --tasks '{params.tasks}' {output} > {log} 2>&1"
 
 
 rule report_page:
@@ -69,7 +72,7 @@ rule report_page:
         tasks=TASKS,
         figures=lambda wildcards, output: Path(output[0]).parent,
     shell:
-        "python -m neol.report.page {params.budget} --tasks '{params.tasks}' {params.figures} {input.champions} {output} > {log} 2>&1"
+        "python -m neol.study.report.page {params.budget} --tasks '{params.tasks}' {params.figures} {input.champions} {output} > {log} 2>&1"
 
 
 rule results_page:
@@ -94,7 +97,7 @@ rule results_page:
         tasks=TASKS,
         figures=lambda wildcards, input: Path(input.picture).parent,
     shell:
-        "python -m neol.report.results {params.budget} --tasks '{params.tasks}' {params.figures} {output.page} > {log} 2>&1"
+        "python -m neol.study.report.results {params.budget} --tasks '{params.tasks}' {params.figures} {output.page} > {log} 2>&1"
 
 
 rule paper_numbers:
@@ -118,7 +121,7 @@ rule paper_numbers:
         tasks=TASKS,
         figures=lambda wildcards, input: Path(input.shown[0]).parent,
     shell:
-        "python -m neol.report.numbers {params.budget} --tasks '{params.tasks}' {params.figures} {output} > {log} 2>&1"
+        "python -m neol.study.report.paper_text {params.budget} --tasks '{params.tasks}' {params.figures} {output} > {log} 2>&1"
 
 
 rule paper:

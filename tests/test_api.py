@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import neol
-from neol.spec import ROOT
+from neol.spec.configuration import ROOT
 
 
 def in_a_process(script: str, folder: Path = ROOT) -> str:

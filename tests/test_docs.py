@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from neol.analysis.captions import describe_generations
-from neol.campaign import blocks, cells
-from neol.spec import ROOT, budgets, load_configuration
+from neol.spec.configuration import ROOT, budgets, load_configuration
+from neol.study.campaign.grid import blocks, cells
+from neol.study.output.captions import describe_generations
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 CODE_SPAN = re.compile(r"`([^`\n]+)`")

@@ -1,4 +1,4 @@
-"""The floors of CONTRIBUTING.md: every module stands on one, and imports from none above it."""
+"""The floors of the house: every folder stands on one, and imports from none above it."""
 
 import ast
 import re
@@ -6,33 +6,27 @@ from collections.abc import Iterator
 from graphlib import TopologicalSorter
 from pathlib import Path
 
-from neol.spec import ROOT
+import pytest
 
-PACKAGE = ROOT / "neol"
-SECTION = "## The floors of the house"
+from neol.spec.configuration import ROOT
 
-
-def named() -> list[tuple[str, int]]:
-    """Each name of the list with its floor."""
-    section = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split(SECTION)[1]
-    items = re.findall(r"^\d+\. (.+(?:\n   .+)*)", section, re.MULTILINE)
-    return [
-        (name, floor)
-        for floor, item in enumerate(items, start=1)
-        for name in re.findall(r"`(\w+)/?`", item)
-    ]
+FLOORS = re.findall(
+    r"^    (\w+ .*(?:\n    .*)*)", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE
+)
+"""As CONTRIBUTING.md draws them: `base <- random, network <- ...`, of neol/ and of neol/study/."""
 
 
-def imports() -> dict[str, set[str]]:
-    """The modules of neol/, its folders as one each, and which others each imports, anywhere."""
+def imports(package: Path) -> dict[str, set[str]]:
+    """Each folder of a package, and which others of its folders its files import."""
     found: dict[str, set[str]] = {}
-    for path in PACKAGE.rglob("*.py"):
-        name = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
-        found.setdefault(name, set()).update(set(imported(path)) - {name})
+    for path in sorted(package.glob("*/**/*.py")):
+        folder = path.relative_to(package).parts[0]
+        found.setdefault(folder, set()).update(set(imported(path, package)) - {folder})
     return found
 
 
-def imported(path: Path) -> Iterator[str]:
+def imported(path: Path, package: Path) -> Iterator[str]:
+    prefix = ".".join(package.relative_to(ROOT).parts) + "."
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             modules = [alias.name for alias in node.names]
@@ -40,23 +34,38 @@ def imported(path: Path) -> Iterator[str]:
             modules = [f"{node.module}.{alias.name}" for alias in node.names]
         else:
             continue
-        yield from (each.split(".")[1] for each in modules if each.startswith("neol."))
+        yield from (m.removeprefix(prefix).split(".")[0] for m in modules if m.startswith(prefix))
 
 
-def test_every_module_stands_on_one_floor() -> None:
-    assert sorted(name for name, _ in named()) == sorted(imports())
-
-
-def test_none_imports_from_above() -> None:
-    floor = dict(named())
+@pytest.mark.parametrize(("line", "package"), [(0, ROOT / "neol"), (1, ROOT / "neol" / "study")])
+def test_no_folder_imports_from_its_own_floor_or_above(line: int, package: Path) -> None:
+    drawing = FLOORS[line]
+    floors = [re.findall(r"\w+", floor) for floor in drawing.split("<-")]
+    floor = {folder: number for number, folders in enumerate(floors) for folder in folders}
+    found = imports(package)
+    folders = {path.parent.name for path in package.glob("*/__init__.py")}
+    assert set(floor) == folders == set(found)
     upwards = [
-        f"{name} imports {other}"
-        for name, others in imports().items()
-        for other in others
-        if floor[other] > floor[name]
+        f"{folder} imports {other}"
+        for folder, others in found.items()
+        for other in others & folders
+        if floor[other] >= floor[folder]
     ]
     assert upwards == []
 
 
-def test_there_is_no_circle() -> None:
-    TopologicalSorter(imports()).prepare()
+def test_no_modules_import_in_a_circle() -> None:
+    graph: dict[str, set[str]] = {}
+    for path in (ROOT / "neol").rglob("*.py"):
+        name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+        graph[name] = set(top_level_imports(path)) - {name}
+    TopologicalSorter(graph).prepare()
+
+
+def top_level_imports(path: Path) -> Iterator[str]:
+    """What a module imports when it is itself imported: modules, not the names in them."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("neol."):
+            for alias in node.names:
+                file = ROOT / node.module.replace(".", "/") / f"{alias.name}.py"
+                yield f"{node.module}.{alias.name}" if file.exists() else node.module

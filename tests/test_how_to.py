@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from neol.records import read_record
-from neol.spec import ROOT
+from neol.run.record_file import read_record
+from neol.spec.configuration import ROOT
 
 PAGES = ROOT / "docs" / "how-to"
 
@@ -65,7 +65,7 @@ def test_a_rule_in_the_repository(tmp_path: Path) -> None:
     copy_repository(tmp_path)
     (script,) = blocks("add-a-rule.md", "python")
     (function,) = re.findall(r"^@neol\.(rule\ndef .*?)^$", script, re.MULTILINE | re.DOTALL)
-    digest = "python -c 'from neol.kernel import source_digest; print(source_digest())'"
+    digest = "python -c 'from neol.base.kernel import source_digest; print(source_digest())'"
     before = shell(digest, tmp_path, tmp_path)
     with (tmp_path / "neol" / "rules.py").open("a") as file:
         file.write(f"\n\n@{function}")
@@ -73,7 +73,7 @@ def test_a_rule_in_the_repository(tmp_path: Path) -> None:
     asked = (
         "python -m neol run --help; python -m neol config --schema; "
         "python -m neol config --budget smoke --set 'budget.methods=[decaying_hebb]'; "
-        "python -m neol.spec"
+        "python -m neol.spec.configuration"
     )
     assert shell(asked, tmp_path, tmp_path).count("decaying_hebb") > 4
     assert "decaying_hebb" in (tmp_path / "config" / "schema.json").read_text()

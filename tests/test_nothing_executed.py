@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from neol.spec import ROOT
+from neol.spec.configuration import ROOT
 
 FORBIDDEN_MODULES = {"pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
 FORBIDDEN_CALLS = {

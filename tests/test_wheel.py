@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from neol.spec import ROOT
+from neol.spec.configuration import ROOT
 
 
 @pytest.mark.slow

@@ -12,9 +12,9 @@ import gymnasium
 import numpy as np
 
 from neol.champions.player import Player
-from neol.environments import names
-from neol.model import Model
 from neol.rollout.reference import make_environment
+from neol.spec.observations import names
+from neol.spec.types import Model
 
 
 class Discrete(Model):

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from neol.base.errors import UserError
 from neol.champions.export import Continuous, Discrete, export
-from neol.champions.graph import edges, layers
+from neol.champions.layout import edges, layers
 from neol.champions.player import Floats, Player
-from neol.errors import UserError
-from neol.network import Networks
+from neol.network.forward import Networks
 
 OPSET, IR_VERSION = 17, 8
 """Of 2022, so that not only the newest runtimes read it."""
@@ -23,7 +23,7 @@ def to_onnx(player: Player) -> bytes:
 
     Input `observation`, float64[batch, I]; outputs `outputs`, float64[batch, O], and `action`, as
     the environment takes it. A layer is one matrix product, which may add in another order than
-    `neol.network.forward`: outputs may differ in the last bits.
+    `neol.network.forward.forward`: outputs may differ in the last bits.
     Raises UserError where the package onnx is not installed.
     """
     try:

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from neol.errors import UserError
+from neol.base.errors import UserError
 from neol.neat.genome import Genome, Pool, decode
-from neol.network import Networks
-from neol.record import Record, SeedInfo
-from neol.records import read_record
+from neol.network.forward import Networks
+from neol.random.seeds import held_out_seeds
 from neol.rollout import make_engine
 from neol.rollout.reference import Observer, ReferenceEngine, Step, network_size
-from neol.seeding import held_out_seeds
-from neol.spec import RunSpec
+from neol.run.record import Record, SeedInfo
+from neol.run.record_file import read_record
+from neol.spec.run_spec import RunSpec
 
 Floats = npt.NDArray[np.float64]
 

@@ -3,12 +3,13 @@
 import errno
 import os
 import sys
+from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperGroup
 
-from neol.errors import INTERRUPTED, UserError
+from neol.base.errors import INTERRUPTED, UserError
 
 COMMANDS = {
     "Running": ("run", "status"),
@@ -107,7 +108,7 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from neol.provenance import package_version
+        from neol.run.provenance import package_version
 
         print(f"neol {package_version('neol') or '(not installed)'}", flush=True)
         raise typer.Exit
@@ -132,7 +133,7 @@ def examples(*lines: str) -> str:
 
 
 def _budgets(incomplete: str) -> list[str]:
-    from neol.spec import budgets
+    from neol.spec.configuration import budgets
 
     return [name for name in budgets() if name.startswith(incomplete)]
 
@@ -153,3 +154,12 @@ Overrides = Annotated[
 def complain(line: str) -> None:
     """Say on the console what is wrong, in one line."""
     print(f"neol: {line}", file=sys.stderr)
+
+
+def check_output(output: Path) -> None:
+    """Refuse before the work what could not be written after it; missing folders are made then."""
+    if output.is_dir():
+        raise UserError(f"{output}: is a folder; name a file in it")
+    folder = next(each for each in output.absolute().parents if each.exists())
+    if not (folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)):
+        raise UserError(f"{output}: {folder} is no folder to write in; choose another place")

@@ -1,20 +1,17 @@
 """Champions after their runs: replay, film, draw, compare and export them."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from neol.cli.application import DISAGREES, app, complain, examples
-from neol.errors import UserError
-from neol.rules import find_rule
+from neol.base.errors import UserError
+from neol.cli.application import DISAGREES, app, check_output, complain, examples
+from neol.network.rules import find_rule
 
 if TYPE_CHECKING:
     from neol.champions.player import Player
 
-PIPED_WIDTH = 10_000
-"""Characters; no line is broken for a reader who is no terminal."""
 
 RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]
 Seed = Annotated[
@@ -38,12 +35,12 @@ def replay(
     human: Annotated[bool, typer.Option("--human", help="Watch them in a window.")] = False,
 ) -> None:
     """Play a champion's held-out episodes again, compare with the record, film one."""
-    from neol.champions.again import play_again
-    from neol.champions.film import need_display
     from neol.champions.player import load_champion
+    from neol.pictures.film import need_display
+    from neol.pictures.replay import play_again
 
     if gif:
-        _check_output(gif)
+        check_output(gif)
         if gif.suffix.lower() != ".gif":
             raise UserError(f"{gif}: films are GIFs; end its name in .gif")
     player = load_champion(record, seed)
@@ -88,12 +85,12 @@ def show(
     output: Annotated[Path, typer.Option(help="A .png, .pdf or .svg.")] = Path("champion.png"),
 ) -> None:
     """Draw a champion's network, or how it learns in an episode."""
-    from neol.analysis.style import picture_kind, write_picture
-    from neol.champions.drawing import network_figure, plasticity_figure
     from neol.champions.player import load_champion
+    from neol.pictures.network import network_figure, plasticity_figure
+    from neol.pictures.style import picture_kind, write_picture
 
     picture_kind(output)
-    _check_output(output)
+    check_output(output)
     player = load_champion(record, seed)
     if plasticity:
         _check_playable(record, player, episode)
@@ -102,47 +99,6 @@ def show(
         figure = network_figure(player)
     write_picture(figure, output)
     print(f"{output}: champion of seed {player.spec.seed}")
-
-
-@app.command(
-    epilog=examples(
-        "neol compare a.parquet b.parquet",
-        "neol compare results/demo/cartpole/bcm/p050_lr0.25 results/demo/cartpole/neat/p050 \\",
-        "    --output curves.png",
-    )
-)
-def compare(
-    records: Annotated[
-        list[Path], typer.Argument(metavar="RECORD", help="Records, or folders of one cell's.")
-    ],
-    output: Annotated[
-        Path | None, typer.Option(help="Learning curves: a .png, .pdf or .svg.")
-    ] = None,
-) -> None:
-    """Print records side by side: configurations and results."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from neol.analysis.comparison import differences, learning_curves, outcomes, read_compared
-    from neol.analysis.style import picture_kind, write_picture
-
-    if output:
-        picture_kind(output)
-        _check_output(output)
-    compared = read_compared(records)
-    table = Table("", *(each.letter for each in compared), box=None, pad_edge=False)
-    for name, values in (differences(compared) | outcomes(compared)).items():
-        table.add_row(name, *values)
-    for each in compared:
-        print(f"{each.letter}  {each.path}")
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console.width = PIPED_WIDTH
-    console.print(table)
-    print("Means over runs; of several, with their 95% intervals.")
-    if output:
-        write_picture(learning_curves(compared), output)
-        print(f"{output}: learning curves")
 
 
 @app.command(
@@ -160,25 +116,16 @@ def export(
     seed: Seed = None,
 ) -> None:
     """Write a champion's network, with fixed weights, for use elsewhere."""
+    from neol.base.files import write_atomically
     from neol.champions.export import to_json, to_python
     from neol.champions.onnx_export import to_onnx
     from neol.champions.player import load_champion
-    from neol.files import write_atomically
 
-    _check_output(output)
+    check_output(output)
     write = {"json": to_json, "onnx": to_onnx, "python": to_python}[kind]
     player = load_champion(record, seed)
     write_atomically(output, write(player))
     print(f"{output}: champion of seed {player.spec.seed}, {player.spec.task.environment}")
-
-
-def _check_output(output: Path) -> None:
-    """Refuse before the work what could not be written after it; missing folders are made then."""
-    if output.is_dir():
-        raise UserError(f"{output}: is a folder; name a file in it")
-    folder = next(each for each in output.absolute().parents if each.exists())
-    if not (folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)):
-        raise UserError(f"{output}: {folder} is no folder to write in; choose another place")
 
 
 def _check_playable(record: Path, player: "Player", episode: int) -> None:

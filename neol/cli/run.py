@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from neol.base.errors import INTERRUPTED, TERMINATED, UserError
 from neol.cli.application import Budget, Overrides, app, complain, examples
-from neol.errors import INTERRUPTED, TERMINATED, UserError
-from neol.rules import RULES, WITHOUT_RULE
+from neol.network.rules import RULES, WITHOUT_RULE
 
 if TYPE_CHECKING:
-    from neol.record import Record
+    from neol.run.record import Record
 
 MAX_SEEDS = 10_000
 METHODS = (*WITHOUT_RULE, *RULES)
@@ -94,7 +94,7 @@ def run(
         (option, loc, str(value)) for option, (loc, value) in constants.items() if value is not None
     ]
 
-    from neol.spec import DEFAULT_BUDGET, load_configuration
+    from neol.spec.configuration import DEFAULT_BUDGET, load_configuration
 
     budget_name, overrides = budget or DEFAULT_BUDGET, overrides or []
     # Before the options: --max-steps would make a constant of a task that is not there.
@@ -109,8 +109,8 @@ def run(
     )
     finished = output.exists()
 
-    from neol.progress import Progress
-    from neol.run import run_block
+    from neol.cli.progress import Progress
+    from neol.run.runner import run_block
 
     with _says_how_to_go_on(output), contextlib.ExitStack() as stack:
         progress = None if quiet else stack.enter_context(Progress(seeds, generations))
@@ -149,8 +149,8 @@ def parse_seeds(text: str) -> list[int]:
 @contextlib.contextmanager
 def _says_how_to_go_on(output: Path) -> Iterator[None]:
     """Make SIGTERM and Ctrl-C end the run in one line that says how to go on."""
-    from neol.interruption import Terminated, interruptible
-    from neol.partial import partial_folder
+    from neol.base.interruption import Terminated, interruptible
+    from neol.run.workspace import partial_folder
 
     try:
         with interruptible():

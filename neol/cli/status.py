@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
+from neol.base.errors import UserError
 from neol.cli.application import app, complain, examples
-from neol.errors import UserError
 
 WATCH_SECONDS = 2.0
 PIPED_WIDTH = 200
@@ -35,12 +35,12 @@ def status(
     """
     from rich.console import Console
 
-    from neol.campaign import RESULTS
+    from neol.cli.progress import Display
     from neol.cli.status_view import picture, summary
-    from neol.progress import Display
-    from neol.selection import select
-    from neol.status.costs import Status
-    from neol.status.states import Folder
+    from neol.study.campaign.grid import RESULTS
+    from neol.study.campaign.outlook import Status
+    from neol.study.campaign.shown import select
+    from neol.study.campaign.status import Folder
 
     if not campaign.name:  # it is "."
         campaign = Path.cwd()

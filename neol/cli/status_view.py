@@ -7,10 +7,10 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from neol.progress import duration
-from neol.spec import RunSpec
-from neol.status.costs import Status
-from neol.status.states import STATES, Finished, JobStatus
+from neol.cli.progress import duration
+from neol.spec.run_spec import RunSpec
+from neol.study.campaign.outlook import Status
+from neol.study.campaign.status import STATES, Finished, JobStatus
 
 LISTED = 5
 """As many entries of a list are shown."""

@@ -10,8 +10,8 @@ import typer
 from neol.cli.application import DISAGREES, app, examples
 
 if TYPE_CHECKING:
-    from neol.verification.check import Finding
-    from neol.verification.replays import Run
+    from neol.study.verification.check import Finding
+    from neol.study.verification.replays import Run
 
 
 @app.command(
@@ -30,7 +30,7 @@ def manifest(
     ] = "",
 ) -> None:
     """Write FOLDER/manifest.json anew: the records below it, their digests, what made them."""
-    from neol.verification.manifest import NAME, write_manifest
+    from neol.study.verification.manifest import NAME, write_manifest
 
     written = write_manifest(folder, tasks)
     print(f"{folder / NAME}: {len(written.records)} records")
@@ -65,8 +65,8 @@ def verify(
     ] = None,
 ) -> None:
     """Check records: schema, digests, rows, place, manifest; and repeat runs of them."""
-    from neol.progress import Display
-    from neol.verification.check import Verification
+    from neol.cli.progress import Display
+    from neol.study.verification.check import Verification
 
     verification = Verification(paths)
     findings: list[Finding] = []
@@ -101,10 +101,10 @@ def _repeat(
     findings: "list[Finding]",
 ) -> str:
     """Repeat what is drawn of the runs and compare; what was repeated, and how to do it again."""
-    from neol.errors import UserError
-    from neol.progress import Display
-    from neol.verification import replays
-    from neol.verification.check import Finding
+    from neol.base.errors import UserError
+    from neol.cli.progress import Display
+    from neol.study.verification import replays
+    from neol.study.verification.check import Finding
 
     runs = list(runs)
     drawn = [(run, False) for run in replays.draw(runs, replay, seed)]

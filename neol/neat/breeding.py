@@ -1,7 +1,7 @@
 """Breeding: from parents to children, by crossover and whatever mutations chance brings.
 
 `nodes` and `connections` are a genome's arrays, NODE[n] and CONNECTION[c]; `random` is the state of
-a random stream, uint64[4] (see neol.pcg64).
+a random stream, uint64[4] (see neol.random.pcg64).
 """
 
 from typing import NamedTuple
@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Neat
-from neol.kernel import kernel
+from neol.base.kernel import kernel
 from neol.neat.genome import CONNECTION, NODE, Pool
 from neol.neat.innovations import Innovations
 from neol.neat.values import Values, mutate_values
@@ -23,7 +22,8 @@ from neol.neat.variation import (
     remove_connection,
     remove_node,
 )
-from neol.pcg64 import State, next_double
+from neol.random.pcg64 import State, next_double
+from neol.spec.constants import Neat
 
 PARENTS = np.dtype([("fitter", np.int64), ("other", np.int64), ("elite", np.bool_)], align=True)
 """Of one child, by their places. An elite is no child but its parent's copy."""

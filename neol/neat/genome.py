@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Network
-from neol.kernel import kernel
-from neol.network import ACTIVATIONS, Networks
+from neol.base.kernel import kernel
+from neol.network.forward import ACTIVATIONS, Networks
+from neol.spec.constants import Network
 
 NODE = np.dtype([("id", np.int64), ("bias", np.float64)])
 CONNECTION = np.dtype(

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from neol.kernel import kernel
+from neol.base.kernel import kernel
 
 
 class Innovations(NamedTuple):

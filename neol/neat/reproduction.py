@@ -5,14 +5,14 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Neat
 from neol.neat.breeding import PARENTS, Rates, breed_all
 from neol.neat.genome import initial_genome
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant
 from neol.neat.values import draw_values
-from neol.pcg64 import new_state
+from neol.random.pcg64 import new_state
+from neol.spec.constants import Neat
 
 
 class Reproduction:

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Neat
-from neol.kernel import kernel
+from neol.base.kernel import kernel
 from neol.neat.genome import Genome, Pool
 from neol.neat.population import Population
+from neol.spec.constants import Neat
 
 Fitness = npt.NDArray[np.float64]
 """float64[P], of a population's genomes, or float64[S], of its species."""

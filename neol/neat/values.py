@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from neol.kernel import kernel
-from neol.pcg64 import State, next_double, standard_normals
+from neol.base.kernel import kernel
+from neol.random.pcg64 import State, next_double, standard_normals
 
 
 class Values(NamedTuple):

@@ -1,16 +1,16 @@
 """Variation: crossover aligned by innovation numbers, and the mutations (paper's Algorithm 4).
 
 `nodes` and `connections` are a genome's arrays, NODE[n] and CONNECTION[c]; `random` is the state of
-a random stream, uint64[4] (see neol.pcg64).
+a random stream, uint64[4] (see neol.random.pcg64).
 """
 
 import numpy as np
 import numpy.typing as npt
 
-from neol.kernel import kernel
+from neol.base.kernel import kernel
 from neol.neat.innovations import Innovations, connection_number, split_node
 from neol.neat.values import Values, draw_values
-from neol.pcg64 import State, below, next_double
+from neol.random.pcg64 import State, below, next_double
 
 Genes = npt.NDArray[np.void]
 

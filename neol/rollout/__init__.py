@@ -4,9 +4,9 @@ import sys
 from functools import partial
 from typing import Literal
 
-from neol.constants import Task
-from neol.errors import NOTICE, UserError
+from neol.base.errors import NOTICE, UserError
 from neol.rollout.engine import Engine, Rollouts
+from neol.spec.constants import Task
 
 EngineChoice = Literal["auto", "fast", "reference"]
 
@@ -25,8 +25,8 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
     from neol.rollout.reference import ReferenceEngine
 
     if choice != "reference":
-        from neol.rollout.box2d.library import TASKS
         from neol.rollout.fast import fast_engine
+        from neol.rollout.worlds.box2d.library import TASKS
 
         engine = fast_engine(task, workers)
         if isinstance(engine, Engine):

@@ -6,8 +6,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Plasticity
-from neol.network import Networks
+from neol.network.forward import Networks
+from neol.spec.constants import Plasticity
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,9 @@ import numpy.typing as npt
 from numba import types
 from numba.extending import overload_method, register_jitable
 
-from neol.network import forward
-from neol.pcg64 import State, seed_pcg64
-from neol.plasticity import learn
+from neol.network.forward import forward
+from neol.network.plasticity import learn
+from neol.random.pcg64 import State, seed_pcg64
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -49,7 +49,7 @@ def _step(self, outputs, observation):  # type: ignore[no-untyped-def]  # noqa: 
 class Batch(NamedTuple):
     """What `play_batch` reads and then what it writes; comments name where a field is explained."""
 
-    # neol.network.Networks
+    # neol.network.forward.Networks
     inputs: int
     outputs: int
     activation: int
@@ -59,7 +59,7 @@ class Batch(NamedTuple):
     edge_offset: Integers
     source: Integers
     inherited_weight: Floats
-    # neol.constants.Task and Plasticity
+    # neol.spec.constants.Task and Plasticity
     max_steps: int
     rule: int
     rate: float

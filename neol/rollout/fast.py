@@ -9,13 +9,13 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Plasticity, Task
-from neol.network import Networks
-from neol.plasticity import compiled
-from neol.rollout.box2d import library as box2d
+from neol.network.forward import Networks
+from neol.network.plasticity import compiled
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, World
 from neol.rollout.parallel import portions
+from neol.rollout.worlds.box2d import library as box2d
+from neol.spec.constants import Plasticity, Task
 
 
 class Simulation(Protocol):
@@ -102,11 +102,11 @@ def fast_engine(task: Task, workers: int = 1) -> Engine | str:
     """The compiled engine of a task, spread over threads, or in one phrase why there is none."""
     make_simulation: Callable[[], Simulation]
     if task.environment == "CartPole-v1":
-        from neol.rollout import cartpole
+        from neol.rollout.worlds import cartpole
 
         make_simulation = cartpole.Simulation
     elif task.environment == "Hopper-v4":
-        from neol.rollout import hopper
+        from neol.rollout.worlds import hopper
 
         if not hopper.TELLS_ADDRESSES:
             return "this version of mujoco does not say where its structs lie"
@@ -117,7 +117,7 @@ def fast_engine(task: Task, workers: int = 1) -> Engine | str:
         library = box2d.load()
         if isinstance(library, str):
             return library
-        from neol.rollout.box2d import environment
+        from neol.rollout.worlds.box2d import environment
 
         make_simulation = partial(environment.Simulation, library, task.environment)
     else:

@@ -16,10 +16,10 @@ from queue import SimpleQueue
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Plasticity
-from neol.errors import UserError
-from neol.network import Networks
+from neol.base.errors import UserError
+from neol.network.forward import Networks
 from neol.rollout.engine import Engine, Rollouts
+from neol.spec.constants import Plasticity
 
 _LARGEST_PORTION = 8  # so that the fast engine returns to Python, and Ctrl-C, in a second or two
 

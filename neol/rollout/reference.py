@@ -13,12 +13,12 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from neol.constants import Plasticity, Task
-from neol.errors import UserError
-from neol.network import Networks, forward
-from neol.plasticity import compiled, learn
+from neol.base.errors import UserError
+from neol.network.forward import Networks, forward
+from neol.network.plasticity import compiled, learn
+from neol.network.rules import NO_RULE
 from neol.rollout.engine import Rollouts
-from neol.rules import NO_RULE
+from neol.spec.constants import Plasticity, Task
 
 
 @dataclass(frozen=True, slots=True)

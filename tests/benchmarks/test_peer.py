@@ -4,10 +4,11 @@ import gymnasium
 import numpy as np
 import pytest
 
-from neol.network import forward
-from neol.plasticity import compiled
-from neol.plasticity import learn as learn_in_a_kernel
-from neol.spec import RunSpec, load_configuration
+from neol.network.forward import forward
+from neol.network.plasticity import compiled
+from neol.network.plasticity import learn as learn_in_a_kernel
+from neol.spec.configuration import load_configuration
+from neol.spec.run_spec import RunSpec
 
 pytest.importorskip("neat", reason="neat-python is installed on demand: make bench")
 

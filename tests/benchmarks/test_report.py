@@ -7,7 +7,7 @@ import pytest
 from benchmarks.report import render, write
 from benchmarks.scaling import BEGIN, END, replace_generated, spent
 from benchmarks.table import Key, markdown, number, percent, summarise
-from neol.spec import ROOT
+from neol.spec.configuration import ROOT
 
 ABOUT = {"CPU": "2 x Abacus", "Date": "2026-01-01", "Run": "made up"}
 

@@ -7,9 +7,9 @@ import pytest
 
 from benchmarks.networks import CONNECTIONS, HIDDEN, join, large
 from benchmarks.trajectories import Recording, record, seconds_of_gymnasium
+from neol.random.seeds import episode_seeds
 from neol.rollout import make_engine
-from neol.seeding import episode_seeds
-from neol.spec import load_configuration
+from neol.spec.configuration import load_configuration
 
 pytestmark = pytest.mark.slow  # two worlds of its own are compiled
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from neol.champions.player import Player, load_champion
-from neol.run import run_block
-from neol.spec import load_configuration
+from neol.run.runner import run_block
+from neol.spec.configuration import load_configuration
 
 MakeRecord = Callable[..., Path]
 MakePlayer = Callable[..., Player]

@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from neol.base.errors import UserError
 from neol.champions import export as exports
 from neol.champions.export import Exported, Node, export, to_json, to_python
 from neol.champions.onnx_export import to_onnx
 from neol.champions.player import Player, Trace
-from neol.errors import UserError
 from neol.rollout.reference import make_environment
-from neol.spec import ROOT
+from neol.spec.configuration import ROOT
 from tests.champions.conftest import MakePlayer
 
 TASKS = ["cartpole", "lunar_lander", "hopper", "bipedal_walker", "gym:Pendulum-v1"]

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from neol.base.errors import UserError
 from neol.champions.player import load_champion
-from neol.errors import UserError
-from neol.spec import ROOT
+from neol.spec.configuration import ROOT
 from tests.champions.conftest import MakePlayer, MakeRecord
 
 TASKS = ["cartpole", "lunar_lander", "hopper", "bipedal_walker", "gym:Pendulum-v1"]

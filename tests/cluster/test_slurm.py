@@ -18,14 +18,14 @@ from pathlib import Path
 import pytest
 import yaml
 
-from neol.campaign import Block, blocks, run_specs
-from neol.checkpoint import load
-from neol.errors import UserError
-from neol.partial import partial_folder
-from neol.records import read_record
+from neol.base.errors import UserError
 from neol.rollout import make_engine
-from neol.run import run_seed
-from neol.spec import Configuration, load_configuration
+from neol.run.checkpoint import load
+from neol.run.record_file import read_record
+from neol.run.runner import run_seed
+from neol.run.workspace import partial_folder
+from neol.spec.configuration import Configuration, load_configuration
+from neol.study.campaign.grid import Block, blocks, run_specs
 from tests.cluster.slurm import missing, slurm
 from tests.workflow.clone import fresh_clone
 

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from neol.constants import Neat
+from neol.spec.constants import Neat
 
 Kind = Literal["weight", "bias"]
 

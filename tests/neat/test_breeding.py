@@ -8,7 +8,7 @@ from neol.neat.genome import Genome, Pool
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.values import mutate_values
-from tests.neat.genomes import INPUTS, OUTPUTS, genome_of, neat_constants, stream
+from tests.helpers.genomes import INPUTS, OUTPUTS, genome_of, neat_constants, stream
 
 RATES = Rates.of(neat_constants())
 

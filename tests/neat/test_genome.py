@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from neol.neat.genome import Genome, Pool, decode, encode_weights
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
-from neol.spec import load_configuration
-from tests.neat.genomes import INPUTS, OUTPUTS, genome_of, populations
-from tests.networks import outputs_of
+from neol.spec.configuration import load_configuration
+from tests.helpers.genomes import INPUTS, OUTPUTS, genome_of, populations
+from tests.helpers.networks import outputs_of
 
 NETWORK = load_configuration("smoke").network
 OBSERVATION = np.array([0.3, -1.2, 2.0])

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from neol.neat.genome import CONNECTION, NODE, Genome
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
-from tests.neat.genomes import genome_of, populations
+from tests.helpers.genomes import genome_of, populations
 
 
 @given(populations)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction, spawn_counts
 from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant, speciate
-from tests.neat.genomes import INPUTS, OUTPUTS, assert_sound, neat_constants
+from tests.helpers.genomes import INPUTS, OUTPUTS, assert_sound, neat_constants
 from tests.neat.plain_reproduction import PlainGenome, PlainReproduction
 
 

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neol.constants import Neat
 from neol.neat.genome import Genome
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
@@ -17,7 +16,8 @@ from neol.neat.species import (
     remove_stagnant,
     speciate,
 )
-from tests.neat.genomes import genome_of, neat_constants, populations
+from neol.spec.constants import Neat
+from tests.helpers.genomes import genome_of, neat_constants, populations
 
 NEAT = neat_constants(disjoint_coefficient=1.0, weight_coefficient=0.5)
 

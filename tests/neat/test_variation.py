@@ -17,7 +17,7 @@ from neol.neat.variation import (
     remove_connection,
     remove_node,
 )
-from tests.neat.genomes import (
+from tests.helpers.genomes import (
     INPUTS,
     OUTPUTS,
     assert_sound,

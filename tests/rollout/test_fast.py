@@ -9,21 +9,22 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from neol.constants import Plasticity, Task
-from neol.errors import UserError
-from neol.evolution import Evolution
+from neol.base.errors import UserError
 from neol.neat.genome import decode
-from neol.network import ACTIVATIONS, Networks
-from neol.rollout import Engine, Rollouts, hopper, make_engine
-from neol.rollout.box2d import library as box2d
+from neol.network.forward import ACTIVATIONS, Networks
+from neol.network.rules import NO_RULE, RULES
+from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.episodes import Batch
 from neol.rollout.fast import FastEngine, fast_engine
 from neol.rollout.reference import ReferenceEngine, network_size
-from neol.rules import NO_RULE, RULES
-from neol.spec import load_configuration
-from tests.core import require_core
-from tests.networks import random_networks
-from tests.rollout.test_hopper import STANDING
+from neol.rollout.worlds import hopper
+from neol.rollout.worlds.box2d import library as box2d
+from neol.run.evolution import Evolution
+from neol.spec.configuration import load_configuration
+from neol.spec.constants import Plasticity, Task
+from tests.helpers.core import require_core
+from tests.helpers.networks import random_networks
+from tests.rollout.worlds.test_hopper import STANDING
 
 CONFIGURATION = load_configuration("paper")
 WITH_NONE = (NO_RULE, *RULES)

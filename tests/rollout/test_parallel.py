@@ -15,10 +15,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neol.interruption import Terminated, interruptible
+from neol.base.interruption import Terminated, interruptible
 from neol.rollout.parallel import ProcessEngine, portions
-from tests.networks import random_networks
-from tests.runs import SPEC
+from tests.helpers.networks import random_networks
+from tests.helpers.runs import SPEC
 
 
 @given(networks=st.integers(0, 400), workers=st.integers(1, 70))

@@ -5,12 +5,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from neol.constants import Plasticity, Task
-from neol.errors import UserError
+from neol.base.errors import UserError
 from neol.rollout import make_engine
 from neol.rollout.reference import ReferenceEngine, Step, make_environment, network_size
-from neol.spec import load_configuration
-from tests.networks import outputs_of, random_networks
+from neol.spec.configuration import load_configuration
+from neol.spec.constants import Plasticity, Task
+from tests.helpers.networks import outputs_of, random_networks
 
 CONFIGURATION = load_configuration("smoke")
 TASKS = ["cartpole", "lunar_lander", "hopper", "bipedal_walker"]

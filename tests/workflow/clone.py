@@ -10,12 +10,12 @@ from pathlib import Path
 
 from numba.core.caching import _CacheLocator
 
-from neol.jobs import Job, jobs
-from neol.kernel import _cache_folder
-from neol.rollout.box2d.library import LIBRARY
-from neol.run import run_block
-from neol.selection import figures_folder, select
-from neol.spec import ROOT, load_configuration
+from neol.base.kernel import _cache_folder
+from neol.rollout.worlds.box2d.library import LIBRARY
+from neol.run.runner import run_block
+from neol.spec.configuration import ROOT, load_configuration
+from neol.study.campaign.jobs import Job, jobs
+from neol.study.campaign.shown import figures_folder, select
 
 SMOKE = ("--config", "budget=smoke")
 FIGURES = figures_folder(select("smoke").budget)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from neol.spec import ROOT
+from neol.spec.configuration import ROOT
 from tests.workflow.clone import fresh_clone, make_records
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]

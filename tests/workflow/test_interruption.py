@@ -10,14 +10,15 @@ from pathlib import Path
 import psutil
 import pytest
 
-from neol import checkpoint
-from neol.campaign import blocks, run_specs
-from neol.partial import checkpoint_path, finished_path, partial_folder
-from neol.record import SeedInfo
-from neol.records import read_record
-from neol.run import run_block
-from neol.spec import RunSpec, load_configuration
-from tests.runs import result
+from neol.run import checkpoint
+from neol.run.record import SeedInfo
+from neol.run.record_file import read_record
+from neol.run.runner import run_block
+from neol.run.workspace import checkpoint_path, finished_path, partial_folder
+from neol.spec.configuration import load_configuration
+from neol.spec.run_spec import RunSpec
+from neol.study.campaign.grid import blocks, run_specs
+from tests.helpers.runs import result
 from tests.workflow.clone import fresh_clone, snakemake
 
 pytestmark = pytest.mark.slow

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from neol.campaign import blocks, paper_cells
-from neol.jobs import jobs
-from neol.partial import finished_path, partial_folder
-from neol.selection import SHOWN_BUDGET, select
-from neol.spec import load_configuration
-from neol.trace import trace
+from neol.run.workspace import finished_path, partial_folder
+from neol.spec.configuration import load_configuration
+from neol.study.campaign.grid import blocks, paper_cells
+from neol.study.campaign.jobs import jobs
+from neol.study.campaign.shown import SHOWN_BUDGET, select
+from neol.study.output.sidecar import trace
 from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
 
 pytestmark = pytest.mark.slow

@@ -19,13 +19,13 @@ from pathlib import Path
 import pytest
 import yaml
 
-from neol.analysis.choice import candidates
-from neol.analysis.labels import BEYOND, HEATMAPS
-from neol.campaign import blocks
-from neol.records import read_record, write_record
-from neol.spec import ROOT, load_configuration
-from neol.trace import trace
-from tests.report.test_page import Outline
+from neol.run.record_file import read_record, write_record
+from neol.spec.configuration import ROOT, load_configuration
+from neol.study.campaign.exhibits import BEYOND, HEATMAPS
+from neol.study.campaign.grid import blocks
+from neol.study.outcomes.chosen_cells import candidates
+from neol.study.output.sidecar import trace
+from tests.study.report.test_page import Outline
 from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, make_records, planned, snakemake
 
 pytestmark = pytest.mark.slow

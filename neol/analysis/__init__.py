@@ -1,1 +1,0 @@
-"""From records to the paper's tables and figures: reads, computes and prints; runs nothing."""

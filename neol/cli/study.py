@@ -1,0 +1,82 @@
+"""Commands of the study: compare records, trace a table, benchmark."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from neol.base.errors import UserError
+from neol.cli.application import app, check_output, examples
+
+PIPED_WIDTH = 10_000
+"""Characters; no line is broken for a reader who is no terminal."""
+
+
+@app.command(epilog=examples("neol trace figures/table1.tex"))
+def trace(
+    output: Annotated[Path, typer.Argument(metavar="OUTPUT", help="A table or figure.")],
+) -> None:
+    """Print what made a table or figure: command, commit, records, runs."""
+    from neol.study.output.sidecar import trace
+
+    for line in trace(output):
+        print(line)
+
+
+@app.command(
+    add_help_option=False,  # its options are those of benchmarks.run, which has a help of its own
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+)
+def bench(context: typer.Context) -> None:
+    """Measure every engine beside physics and a peer, in a checkout."""
+    try:
+        from benchmarks.run import main
+    except ModuleNotFoundError as error:
+        raise UserError(f"no module {error.name}: benchmarks run in a checkout") from None
+    main(context.args)
+
+
+@app.command(
+    epilog=examples(
+        "neol compare a.parquet b.parquet",
+        "neol compare results/demo/cartpole/bcm/p050_lr0.25 results/demo/cartpole/neat/p050 \\",
+        "    --output curves.png",
+    )
+)
+def compare(
+    records: Annotated[
+        list[Path], typer.Argument(metavar="RECORD", help="Records, or folders of one cell's.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option(help="Learning curves: a .png, .pdf or .svg.")
+    ] = None,
+) -> None:
+    """Print records side by side: configurations and results."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from neol.pictures.style import picture_kind, write_picture
+    from neol.study.figures.side_by_side import (
+        differences,
+        learning_curves,
+        outcomes,
+        read_compared,
+    )
+
+    if output:
+        picture_kind(output)
+        check_output(output)
+    compared = read_compared(records)
+    table = Table("", *(each.letter for each in compared), box=None, pad_edge=False)
+    for name, values in (differences(compared) | outcomes(compared)).items():
+        table.add_row(name, *values)
+    for each in compared:
+        print(f"{each.letter}  {each.path}")
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = PIPED_WIDTH
+    console.print(table)
+    print("Means over runs; of several, with their 95% intervals.")
+    if output:
+        write_picture(learning_curves(compared), output)
+        print(f"{output}: learning curves")

@@ -1,0 +1,1 @@
+"""What a network does: its forward pass, and how its weights learn online."""

@@ -1,0 +1,108 @@
+"""Networks as arrays, and the forward pass.
+
+A batch of feed-forward networks (a whole population's) is packed into one set of arrays, so that
+an engine can evaluate it without touching Python. One network is a batch of one.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from neol.base.kernel import kernel
+
+ACTIVATIONS = {"tanh": 0, "relu": 1, "sigmoid": 2, "identity": 3}
+TANH, RELU, SIGMOID, IDENTITY = ACTIVATIONS.values()
+
+
+@dataclass(frozen=True, slots=True)
+class Networks:
+    """P feed-forward networks with M computed nodes and E enabled connections in all.
+
+    A node is known in its own network by its position: inputs first, then the hidden nodes in
+    topological order, then the outputs. Only hidden and output nodes are computed and stored.
+    """
+
+    inputs: int
+    outputs: int
+    activation: int
+    """Of hidden nodes, one of `ACTIVATIONS`; outputs are tanh."""
+    sum_limit: float
+    """A node's summed input is clipped to +-sum_limit before its activation."""
+    node_offset: npt.NDArray[np.int64]
+    """int64[P + 1]: network p computes the nodes node_offset[p] to node_offset[p + 1]."""
+    bias: npt.NDArray[np.float64]
+    """float64[M]."""
+    edge_offset: npt.NDArray[np.int64]
+    """int64[M + 1]: node m's incoming connections are edge_offset[m] to edge_offset[m + 1]."""
+    source: npt.NDArray[np.int64]
+    """int64[E]: position of the presynaptic node in its own network."""
+    weight: npt.NDArray[np.float64]
+    """float64[E]."""
+
+    def __len__(self) -> int:
+        return len(self.node_offset) - 1
+
+    def slice(self, begin: int, end: int) -> "Networks":
+        """The networks begin to end, as a batch of their own."""
+        first, last = self.node_offset[begin], self.node_offset[end]
+        edges = slice(self.edge_offset[first], self.edge_offset[last])
+        return Networks(
+            inputs=self.inputs,
+            outputs=self.outputs,
+            activation=self.activation,
+            sum_limit=self.sum_limit,
+            node_offset=self.node_offset[begin : end + 1] - first,
+            bias=self.bias[first:last],
+            edge_offset=self.edge_offset[first : last + 1] - self.edge_offset[first],
+            source=self.source[edges],
+            weight=self.weight[edges],
+        )
+
+    @property
+    def edge_bounds(self) -> npt.NDArray[np.int64]:
+        """int64[P + 1]: network p's connections are edge_bounds[p] to edge_bounds[p + 1]."""
+        bounds: npt.NDArray[np.int64] = self.edge_offset[self.node_offset]
+        return bounds
+
+
+@kernel
+def activate(total: float, activation: int) -> float:
+    """A node's activity from its clipped sum."""
+    if activation == TANH:
+        return math.tanh(total)
+    if activation == RELU:
+        return max(total, 0.0)
+    if activation == SIGMOID:
+        return 1.0 / (1.0 + math.exp(-total))
+    return total
+
+
+@kernel
+def forward(
+    first: int,
+    last: int,
+    bias: npt.NDArray[np.float64],
+    edge_offset: npt.NDArray[np.int64],
+    source: npt.NDArray[np.int64],
+    weight: npt.NDArray[np.float64],
+    inputs: int,
+    outputs: int,
+    activation: int,
+    sum_limit: float,
+    values: npt.NDArray[np.float64],
+) -> None:
+    """Compute the activities of one network, the nodes first..last of a batch, in place.
+
+    `values` is float64[inputs + last - first] and holds the observation in its first `inputs`
+    entries; afterwards its last `outputs` entries are the network's outputs (Section 4.1).
+    Unsigned indices spare the inner loop numba's question whether an index counts from the end.
+    """
+    for node in range(first, last):
+        total = bias[node]
+        for edge in range(np.uint64(edge_offset[node]), np.uint64(edge_offset[node + 1])):
+            total += weight[edge] * values[np.uint64(source[edge])]
+        total = min(max(total, -sum_limit), sum_limit)
+        is_output = node >= last - outputs
+        values[inputs + node - first] = activate(total, TANH if is_output else activation)

@@ -1,0 +1,107 @@
+"""Online plasticity: how weights learn after every step of an episode (paper A.3, Algorithm 2).
+
+The reward opens a rule's gate: gate = eta * beta * r. The loop over a network's connections is
+compiled for each rule apart and called by its address, so kernels are the same for all rules.
+"""
+
+import math
+from functools import cache
+from typing import Any
+
+import numba
+import numpy as np
+import numpy.typing as npt
+from numba import types
+from numba.extending import register_jitable
+
+from neol.base.c_calls import call_int
+from neol.base.errors import UserError
+from neol.base.kernel import kernel
+from neol.network.rules import NO_RULE, Rule, find_rule
+
+_INTEGERS: Any = types.CPointer(types.int64)  # type: ignore[no-untyped-call]
+_FLOATS: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
+_SIGNATURE = types.int32(
+    *(types.int64, types.int64),  # first, last
+    *(_INTEGERS, _INTEGERS, _FLOATS, _FLOATS),  # edge_offset, source, weight, threshold
+    *(types.int64, types.float64, types.float64, types.float64),  # inputs, gate, rate, limit
+    _FLOATS,  # values
+)
+"""Of a compiled loop: the arguments of `learn` without the rule."""
+
+
+@kernel
+def learn(
+    first: int,
+    last: int,
+    edge_offset: npt.NDArray[np.int64],
+    source: npt.NDArray[np.int64],
+    weight: npt.NDArray[np.float64],
+    threshold: npt.NDArray[np.float64],
+    inputs: int,
+    rule: int,
+    gate: float,
+    threshold_rate: float,
+    weight_limit: float,
+    values: npt.NDArray[np.float64],
+) -> bool:
+    """Let the nodes first..last of a batch learn from one step, in place (Algorithm 2, line 11).
+
+    The network's arrays are those of `neol.network.forward.Networks`; `values` holds the activities
+    of the forward pass that chose the action; `rule` is what `compiled` gives; `gate` is
+    eta * beta * r. Returns whether all weights stayed finite.
+    """
+    if rule == 0:
+        return True
+    finite: int = call_int(
+        rule,
+        first,
+        last,
+        edge_offset,
+        source,
+        weight,
+        threshold,
+        inputs,
+        gate,
+        threshold_rate,
+        weight_limit,
+        values,
+    )
+    return finite != 0
+
+
+def compiled(rule: str) -> int:
+    """The address of a rule's compiled loop; 0 for no rule. Raises UserError for an unknown one."""
+    return 0 if rule == NO_RULE else int(learner(find_rule(rule)).address)
+
+
+@cache
+def learner(rule: Rule) -> Any:
+    """A rule's loop over connections as a C function; called from Python it is the plain twin.
+
+    Weights are clipped to +-weight_limit; each node's threshold then moves by
+    theta += alpha * (y^2 - theta). Raises UserError where the rule cannot be compiled.
+    """
+    change = register_jitable(error_model="numpy")(rule.change)
+
+    def loop(first, last, offset, source, weight, threshold, inputs, gate, alpha, limit, values):  # type: ignore[no-untyped-def]
+        finite = True
+        for node in range(first, last):
+            y = values[inputs + node - first]
+            theta = threshold[node]
+            for edge in range(offset[node], offset[node + 1]):
+                w = weight[edge]
+                w += gate * change(values[source[edge]], y, w, theta)
+                finite &= math.isfinite(w)
+                weight[edge] = min(max(w, -limit), limit)
+            threshold[node] = theta + alpha * (y * y - theta)
+        return finite
+
+    loop.__qualname__ = f"learn_{rule.name}"  # by which the cache and the linker tell loops apart
+    # A rule from elsewhere is compiled in each process: nothing would tell that it was edited.
+    cached = rule.change.__module__.startswith("neol.")
+    try:
+        return numba.cfunc(_SIGNATURE, cache=cached, error_model="numpy")(loop)
+    except numba.core.errors.NumbaError as error:
+        check = f"numba.njit({rule.name})(1.0, 1.0, 1.0, 1.0)"
+        raise UserError(f"rule {rule.name}: numba cannot compile it; {check} says why") from error

@@ -1,0 +1,80 @@
+"""The plasticity rules: how much one step changes a connection's weight (paper's Section 2).
+
+A rule is a function of four numbers that are local to a connection: the activities x before and
+y after it, its weight w, and theta, the sliding mean of y^2 at the node that it leads to. The
+reward opens its gate and `neol.network.plasticity` compiles it. `RULES` is where the command line,
+the configuration and the workflow find it: adding a function here adds it everywhere.
+"""
+
+import inspect
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from neol.base.errors import UserError, hint
+
+Change = Callable[[float, float, float, float], float]
+"""What a rule adds to w for each unit of the gate, by x, y, w and theta."""
+
+NO_RULE = "none"
+WITHOUT_RULE = ("neat", "neat_wo")
+"""The methods that do not learn online. Each rule is a method of its own name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A plasticity rule."""
+
+    name: str
+    meaning: str
+    """In one line."""
+    change: Change
+
+
+RULES: dict[str, Rule] = {}
+"""By name, in the order in which they were added."""
+
+
+def rule(change: Change) -> Change:
+    """Add a function of (x, y, w, theta) as the plasticity rule of its name; returns it.
+
+    The first line of its docstring says what it means. A rule may be replaced from where it
+    came from: a notebook's cell can run again.
+    Raises UserError for another function, and for a name that is taken or none.
+    """
+    name = change.__name__
+    if list(inspect.signature(change).parameters) != ["x", "y", "w", "theta"]:
+        raise UserError(f"rule {name}: must be a function of (x, y, w, theta)")
+    if not re.fullmatch("[a-z][a-z0-9_]*", name):
+        raise UserError(f"rule {name}: its name must be lower case, like decaying_hebb")
+    elsewhere = name in RULES and RULES[name].change.__module__ != change.__module__
+    if elsewhere or name in (NO_RULE, *WITHOUT_RULE):
+        raise UserError(f"rule {name}: the name is taken, choose another")
+    RULES[name] = Rule(name, (inspect.getdoc(change) or "").partition("\n")[0], change)
+    return change
+
+
+def find_rule(name: str) -> Rule:
+    """The rule of that name. Raises UserError where there is none."""
+    if name not in RULES:
+        way_out = 'if a script adds it, say "python SCRIPT" for "neol" (docs/how-to/add-a-rule.md)'
+        raise UserError(f'unknown rule "{name}"{hint(name, RULES)}; {way_out}')
+    return RULES[name]
+
+
+@rule
+def hebb(x: float, y: float, w: float, theta: float) -> float:
+    """Hebb's rule (Equation 1)."""
+    return x * y
+
+
+@rule
+def oja(x: float, y: float, w: float, theta: float) -> float:
+    """Oja's rule: Hebb's with a decay that bounds the weights (Equation 2)."""
+    return y * (x - y * w)
+
+
+@rule
+def bcm(x: float, y: float, w: float, theta: float) -> float:
+    """The BCM rule: depression below the threshold theta, potentiation above (Equation 3)."""
+    return y * (y - theta) * x

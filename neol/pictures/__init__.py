@@ -1,0 +1,1 @@
+"""How pictures look, and pictures of networks and films of episodes."""

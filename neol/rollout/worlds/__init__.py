@@ -1,0 +1,1 @@
+"""The paper's environments in compiled code, with Gymnasium's bits."""

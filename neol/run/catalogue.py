@@ -1,0 +1,49 @@
+"""Which runs there are: those of every record below a folder."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from neol.base.errors import UserError
+from neol.run.record_file import read_record, records_below
+
+
+def find_records(results: Path) -> list[str]:
+    """All finished records, as paths below the folder. Raises UserError where there is none."""
+    found = [str(path.relative_to(results)) for path in records_below(results)]
+    if not found:
+        raise UserError(f"{results}: holds no record; `snakemake records` makes the smallest ones")
+    return found
+
+
+def table_of_runs(results: Path) -> pd.DataFrame:
+    """A row for each run of all records: what it was, what it came to, what it cost.
+
+    Raises UserError for a record that is damaged, or where there is none.
+    """
+    rows = []
+    for name in find_records(results):
+        record = read_record(results / name)
+        spec = record.spec
+        last = record.frame().groupby("seed").last()
+        rows += [
+            {
+                "record": name,
+                "budget": record.budget,
+                "sensitivity": "sensitivity" in Path(name).parts,
+                "task": spec.task.name,
+                "method": spec.method,
+                "population": spec.population,
+                "learning_rate": spec.plasticity.learning_rate if spec.plasticity.learns else None,
+                "generations": spec.generations,
+                "seed": info.seed,
+                "best_fitness": info.champion.fitness,
+                "held_out": info.held_out.mean,
+                "env_steps": last.at[info.seed, "env_steps"],
+                "connections": last.at[info.seed, "connections_best"],
+                "weight_change": last.at[info.seed, "weight_change_mean"],
+                "cpu_seconds": info.cpu_seconds,
+            }
+            for info in record.seeds
+        ]
+    return pd.DataFrame(rows).astype({"learning_rate": float, "held_out": float})

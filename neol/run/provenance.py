@@ -1,0 +1,99 @@
+"""Where a result comes from: versions, commit, machine and time. Nothing of it is in a digest."""
+
+import importlib.metadata
+import os
+import platform
+import subprocess
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+
+from neol.spec.types import Model
+
+PACKAGES = ("numpy", "numba", "gymnasium", "mujoco", "box2d", "neol")
+CODE = ("neol", "config", "environment.lock")
+"""What runs are made with, from the root of the checkout."""
+
+
+class Provenance(Model):
+    """What made a run, apart from its specification."""
+
+    versions: dict[str, str | None]
+    """Of Python and the packages that numbers depend on; null where one is not installed."""
+    commit: str | None
+    """The checkout's when the first run of the process began; null outside one."""
+    dirty: bool | None
+    """Whether code or configuration differed from that commit then."""
+    host: str
+    platform: str
+    cpu: str
+    libc: str
+    time: str
+    """When the run finished: UTC, ISO 8601."""
+
+    def code(self, digits: int | None = None) -> str:
+        """The commit, so many digits of it; with -dirty where code or constants differed."""
+        return describe_checkout(self.commit, self.dirty, digits)
+
+
+def provenance() -> Provenance:
+    """Of a run that finishes now, in this process."""
+    commit, dirty = checkout()
+    return Provenance(
+        versions={"python": platform.python_version(), **{p: package_version(p) for p in PACKAGES}},
+        commit=commit,
+        dirty=dirty,
+        host=platform.node(),
+        platform=platform.platform(),
+        cpu=f"{os.cpu_count()} x {_cpu_model()}",
+        libc=" ".join(platform.libc_ver()).strip(),
+        time=datetime.now(UTC).isoformat(timespec="seconds"),
+    )
+
+
+def package_version(package: str) -> str | None:
+    """Of an installed package; None where it is not installed."""
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def describe_checkout(commit: str | None, dirty: bool | None, digits: int | None = None) -> str:
+    """As Git's own `describe` has it: the commit, and -dirty where what is looked at differed."""
+    return f"{(commit or 'unknown')[:digits]}{'-dirty' if dirty else ''}"
+
+
+@cache
+def checkout(*further: str) -> tuple[str | None, bool | None]:
+    """The commit that this file is tracked in, and whether code or constants differ from it.
+
+    Or what else is named, by its path from the root.
+
+    As they were at the first call of the process, which is for the first run to make when it
+    begins: a run takes hours, and what is committed or edited meanwhile is not what it runs.
+    """
+    root = Path(__file__).resolve().parents[2]
+    try:
+        _git(root, "ls-files", "--error-unmatch", "neol/run/provenance.py")
+        commit = _git(root, "rev-parse", "HEAD")
+        changes = _git(root, "status", "--porcelain", "--", *CODE, *further)
+    except (OSError, subprocess.CalledProcessError):
+        return None, None
+    return commit, bool(changes)
+
+
+def _git(root: Path, *arguments: str) -> str:
+    command = ["git", "-C", str(root), *arguments]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+@cache
+def _cpu_model() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()

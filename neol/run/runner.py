@@ -1,0 +1,270 @@
+"""Runs: one seed from start to champion, and a block of seeds into one record.
+
+While a block runs, `<output>.partial/` holds a record for each finished seed and a checkpoint of
+the one in progress; at the end `<output>` takes its place.
+"""
+
+import contextlib
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from neol.base.errors import UserError
+from neol.neat.genome import Genome
+from neol.rollout import Engine, EngineChoice, make_engine
+from neol.rollout.reference import network_size
+from neol.run import checkpoint as checkpoints
+from neol.run.checkpoint import Cost
+from neol.run.evolution import Evolution, Generation
+from neol.run.provenance import checkout, provenance
+from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, join
+from neol.run.record_file import first_difference, read_record, read_spec, write_record
+from neol.run.workspace import checkpoint_path, claim, finished_path, partial_folder
+from neol.spec.run_spec import RunSpec
+from neol.spec.types import LARGEST_SEED
+
+OnGeneration = Callable[[int, Generation], None]
+"""Told the seed and each generation that is done."""
+
+
+@dataclass(frozen=True, slots=True)
+class SeedResult:
+    """What one run came to."""
+
+    spec: RunSpec
+    history: list[Generation]
+    champion: Genome
+    held_out_returns: npt.NDArray[np.float64]
+    """float64[episodes]: NaN where an episode failed."""
+    digest: str
+    """Of the trajectory."""
+    inputs: int
+    outputs: int
+    engine: str
+    cost: Cost
+
+
+def run_seed(
+    spec: RunSpec,
+    engine: Engine,
+    *,
+    checkpoint: Path | None = None,
+    checkpoint_every: int = 10,
+    on_generation: OnGeneration | None = None,
+) -> SeedResult:
+    """Run one seed to its end, from its checkpoint where that exists.
+
+    Checkpoints are written after every `checkpoint_every` generations and, whatever ends the run
+    early, for the last generation that was completed.
+    """
+    if checkpoint is not None and checkpoint.exists():
+        evolution, spent = checkpoints.load(checkpoint, spec)
+    else:
+        evolution, spent = Evolution.begin(spec, *network_size(spec.task)), Cost()
+    wall, cpu = time.perf_counter(), time.process_time()
+
+    def cost() -> Cost:
+        return Cost(
+            spent.wall_seconds + time.perf_counter() - wall,
+            spent.cpu_seconds + time.process_time() - cpu,
+        )
+
+    done = checkpoints.snapshot(evolution)
+    saved = done.generation
+
+    def save() -> None:
+        nonlocal saved
+        if checkpoint is not None and done.generation > saved:
+            checkpoints.save(checkpoint, done, cost())
+            saved = done.generation
+
+    try:
+        for generation in evolution.run(engine):
+            done = checkpoints.snapshot(evolution)
+            if done.generation % checkpoint_every == 0:
+                save()
+            if on_generation is not None:
+                on_generation(spec.seed, generation)
+        held_out_returns = evolution.held_out_returns(engine)
+    except BaseException as error:
+        save()
+        if isinstance(error, UserError):
+            place = "held-out episodes" if done.finished else f"generation {done.generation + 1}"
+            raise UserError(f"seed {spec.seed}, {place}: {error}") from error
+        raise
+    return SeedResult(
+        spec=spec,
+        history=evolution.history,
+        champion=evolution.champion(),
+        held_out_returns=held_out_returns,
+        digest=evolution.digest,
+        inputs=evolution.reproduction.inputs,
+        outputs=evolution.reproduction.outputs,
+        engine=engine.name,
+        cost=cost(),
+    )
+
+
+def run_block(
+    spec: RunSpec,
+    seeds: Sequence[int],
+    output: Path,
+    *,
+    engine: EngineChoice = "auto",
+    workers: int = 1,
+    checkpoint_every: int = 10,
+    resume: bool = False,
+    keep_partial: bool = False,
+    budget: str | None = None,
+    on_generation: OnGeneration | None = None,
+) -> Record:
+    """Run a specification with several seeds (its own is left aside) and write their record.
+
+    With `resume`, finished seeds and checkpoints of an earlier attempt are used, a complete
+    record is returned as it is, and another process at the same output is waited for; without it,
+    none of these may be there. With `keep_partial`, the records of the single seeds stay.
+    Raises UserError where something is in the way, before anything is simulated.
+    """
+    checkout()
+    seeds = _distinct(seeds)
+    if output.is_dir():
+        raise UserError(f"{output}: is a folder; name a file in it")
+    record = _complete(output, spec, seeds, resume)
+    if record is not None and not partial_folder(output).exists():
+        return record
+    with claim(output, wait=resume, keep=keep_partial) as partial:
+        record = _complete(output, spec, seeds, resume)  # another process may have finished it
+        if record is None:
+            if any(partial.glob("seed_*")) and not resume:
+                raise UserError(
+                    f"{partial}: holds an interrupted run; go on with --resume, or remove it"
+                )
+            _refuse_other_work(partial, spec, seeds)
+            with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
+                records = [
+                    _seed_record(
+                        spec.model_copy(update={"seed": seed}),
+                        player,
+                        partial,
+                        checkpoint_every,
+                        budget,
+                        on_generation,
+                    )
+                    for seed in seeds
+                ]
+            record = join(records)
+            write_record(output, record, scratch=partial)
+    return record
+
+
+def evolve(
+    spec: RunSpec,
+    seeds: Sequence[int] | None = None,
+    *,
+    engine: EngineChoice = "auto",
+    workers: int = 1,
+    on_generation: OnGeneration | None = None,
+) -> Record:
+    """Run a specification, with other seeds than its own or not, and keep the record in memory.
+
+    `run_block` is for runs that may be interrupted. Raises UserError for an impossible task, for
+    no seed at all, for a seed that is named twice and for one that no run has.
+    """
+    checkout()
+    seeds = _distinct([spec.seed] if seeds is None else seeds)
+    with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
+        specs = [spec.model_copy(update={"seed": seed}) for seed in seeds]
+        results = [run_seed(each, player, on_generation=on_generation) for each in specs]
+    return join([_record_of(result, budget=None) for result in results])
+
+
+def _complete(output: Path, spec: RunSpec, seeds: Sequence[int], resume: bool) -> Record | None:
+    """The record that is there, which only `resume` allows, or None."""
+    if not output.exists():
+        return None
+    if not resume:
+        raise UserError(f"{output}: exists already; remove it or choose another output")
+    return _same_seeds(read_record(output, spec), seeds, output)
+
+
+def _seed_record(
+    spec: RunSpec,
+    engine: Engine,
+    partial: Path,
+    checkpoint_every: int,
+    budget: str | None,
+    on_generation: OnGeneration | None,
+) -> Record:
+    """The record of one seed: the finished one that is there, or a new one."""
+    finished = finished_path(partial, spec.seed)
+    checkpoint = checkpoint_path(partial, spec.seed)
+    if finished.exists():
+        record = _same_seeds(read_record(finished, spec), [spec.seed], finished)
+    else:
+        result = run_seed(
+            spec,
+            engine,
+            checkpoint=checkpoint,
+            checkpoint_every=checkpoint_every,
+            on_generation=on_generation,
+        )
+        record = _record_of(result, budget)
+        write_record(finished, record)
+    checkpoint.unlink(missing_ok=True)
+    return record
+
+
+def _record_of(result: SeedResult, budget: str | None) -> Record:
+    info = SeedInfo(
+        seed=result.spec.seed,
+        digest=result.digest,
+        inputs=result.inputs,
+        outputs=result.outputs,
+        champion=Champion.of(result.champion),
+        held_out=HeldOut.of(result.held_out_returns),
+        engine=result.engine,
+        wall_seconds=result.cost.wall_seconds,
+        cpu_seconds=result.cost.cpu_seconds,
+        provenance=provenance(),
+    )
+    return Record(result.spec, budget, history_table(info.seed, result.history), (info,))
+
+
+def _distinct(seeds: Sequence[int]) -> list[int]:
+    """In order. Raises UserError where there is none, one twice, or one that no run has."""
+    ordered = sorted(map(int, seeds))
+    if not ordered or len(set(ordered)) < len(ordered):
+        raise UserError(f"seeds {ordered}: give at least one, and none twice")
+    if not 0 <= ordered[0] <= ordered[-1] <= LARGEST_SEED:
+        raise UserError(f"seeds {ordered}: give integers from 0 to {LARGEST_SEED}")
+    return ordered
+
+
+def _refuse_other_work(partial: Path, spec: RunSpec, seeds: Sequence[int]) -> None:
+    ours = {finished_path(partial, seed).stem for seed in seeds}
+    others = sorted({path.stem for path in partial.glob("seed_*")} - ours)
+    if others:
+        raise UserError(
+            f"{partial}: holds work of {others[0]}, which is not among the seeds asked for; "
+            "resume with all its seeds, or remove it"
+        )
+    for path in sorted(partial.glob("seed_*.parquet")):
+        if difference := first_difference(read_spec(path), spec):
+            raise UserError(
+                f"{path}: of another specification: {difference}; "
+                f"set that back, or remove {partial}"
+            )
+
+
+def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:
+    found = [info.seed for info in record.seeds]
+    if found != sorted(seeds):
+        raise UserError(
+            f"{path}: holds the seeds {found}, not {sorted(seeds)}; "
+            "remove it or choose another output"
+        )
+    return record

@@ -1,0 +1,105 @@
+"""The folder beside an output that holds what a block has until the output is complete.
+
+One process claims it at a time.
+"""
+
+import contextlib
+import fcntl
+import os
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+from neol.base.errors import NOTICE, UserError
+
+
+def partial_folder(output: Path) -> Path:
+    """Where a block keeps what it has."""
+    return output.with_name(f"{output.name}.partial")
+
+
+def finished_path(partial: Path, seed: int) -> Path:
+    """Where the record of a finished seed lies."""
+    return partial / f"seed_{seed:06}.parquet"
+
+
+def checkpoint_path(partial: Path, seed: int) -> Path:
+    """Where the checkpoint of a seed that is under way lies."""
+    return finished_path(partial, seed).with_suffix(".npz")
+
+
+def remove_if_complete(output: Path) -> None:
+    """Remove the folder of an output that is there."""
+    if output.exists():
+        shutil.rmtree(partial_folder(output), ignore_errors=True)
+
+
+@contextlib.contextmanager
+def claim(output: Path, *, wait: bool, keep: bool = False) -> Iterator[Path]:
+    """Make the folder beside an output and hold it against other processes.
+
+    It goes with the claim where it holds no work, or the output is complete and it need not `keep`.
+    """
+    partial = partial_folder(output)
+    lock = partial / "lock"
+    while True:
+        try:
+            partial.mkdir(parents=True, exist_ok=True)
+            file = lock.open("w")
+        except OSError as error:
+            raise UserError(
+                f"{partial}: cannot be made ({error.strerror}); choose another output"
+            ) from None
+        with file:
+            _lock(file, partial, wait)
+            if not _is(file, lock):
+                continue  # the process that held it has removed it
+            try:
+                yield partial
+            finally:
+                if not any(partial.glob("seed_*")):
+                    shutil.rmtree(partial, ignore_errors=True)
+                elif not keep:
+                    remove_if_complete(output)
+            return
+
+
+def _lock(file: IO[str], partial: Path, wait: bool) -> None:
+    """Lock a file. The lock is the kernel's: it ends with the process, whatever ends that."""
+    for _ in range(4):  # `is_running` holds it for an instant
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(0.05)
+        except OSError:
+            return  # a file system without locks
+        else:
+            return
+    line = f"{partial}: another process is running this"
+    if not wait:
+        raise UserError(f"{line}; wait for it or choose another output")
+    print(f"{NOTICE}{line}; waiting for it", file=sys.stderr, flush=True)
+    fcntl.flock(file, fcntl.LOCK_EX)
+
+
+def _is(file: IO[str], path: Path) -> bool:
+    """Whether a path still leads to an open file."""
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+def is_running(partial: Path) -> bool:
+    """Whether a process holds a block's folder; one that works where locks are missing does not."""
+    try:
+        with (partial / "lock").open() as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False

@@ -1,0 +1,1 @@
+"""What a run is: its typed constants, where they come from, and its specification."""

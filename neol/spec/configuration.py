@@ -1,0 +1,220 @@
+"""The configuration of a budget, from which the specifications of its runs are made.
+
+`config/base.yaml` holds every constant with its source, a budget's file overlays it, and
+`key=value` overrides come last. `python -m neol.spec.configuration` writes `config/schema.json`,
+which editors check these files with.
+"""
+
+import json
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from neol.base.errors import UserError, hint, one_line
+from neol.base.files import write_atomically
+from neol.network.rules import RULES
+from neol.spec.constants import (
+    Budget,
+    Evaluation,
+    Method,
+    Neat,
+    NeatConstants,
+    Network,
+    Plasticity,
+    PlasticityConstants,
+    Task,
+)
+from neol.spec.run_spec import RunSpec
+from neol.spec.sources import Overlay
+from neol.spec.types import MethodName, Model
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+# A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
+ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
+CONFIG = ROOT / "config"
+DEFAULT_BUDGET = "paper"
+"""Its constants are those of config/base.yaml."""
+
+
+class Configuration(Model):
+    """A budget's resolved configuration."""
+
+    tasks: dict[str, Task]
+    network: Network
+    plasticity: PlasticityConstants
+    evaluation: Evaluation
+    neat: NeatConstants
+    methods: dict[MethodName, Method]
+    budget: Budget
+
+    def check_names(self, task: str, method: str) -> None:
+        """Raise UserError unless both are known; `task` may be `gym:ID`."""
+        if task not in self.tasks and not task.startswith("gym:"):
+            raise UserError(f'unknown task "{task}"{hint(task, [*self.tasks, "gym:ID"])}')
+        if method not in self.methods:
+            raise UserError(f'unknown method "{method}"{hint(method, self.methods)}')
+
+    def run_spec(
+        self,
+        *,
+        task: str,
+        method: str,
+        population: int,
+        generations: int,
+        learning_rate: float | None = None,
+        seed: int = 0,
+    ) -> RunSpec:
+        """The specification of one run.
+
+        `task` may be `gym:ID`; `learning_rate` is None for a method without a rule.
+
+        Raises UserError for whatever is not allowed.
+        """
+        self.check_names(task, method)
+        chosen = self.methods[method]
+        if not chosen.learns and learning_rate is not None:
+            raise UserError(
+                f"learning_rate = {learning_rate}: {method} does not learn online, leave it out"
+            )
+        if chosen.learns and learning_rate is None:
+            grid = ", ".join(f"{rate:g}" for rate in self.budget.learning_rates)
+            raise UserError(
+                f"{method} needs a learning rate (budget {self.budget.name} has {grid})"
+            )
+        constants = {} if task in self.tasks else _gymnasium_constants(task)
+        if task not in self.tasks and "max_steps" not in constants:
+            raise UserError(
+                f"{task}: Gymnasium sets it no limit of steps; give one (--max-steps 1000)"
+            )
+        try:
+            return RunSpec(
+                task=self.tasks.get(task) or Task(name=task, **constants),
+                method=method,
+                population=population,
+                generations=generations,
+                seed=seed,
+                network=self.network,
+                plasticity=Plasticity(
+                    **self.plasticity.model_dump(),
+                    rule=chosen.rule,
+                    learning_rate=learning_rate or 0.0,
+                ),
+                evaluation=self.evaluation,
+                neat=Neat(**self.neat.model_dump(), weight_mutation=chosen.weight_mutation),
+            )
+        except ValidationError as error:
+            raise UserError(one_line(error, RunSpec)) from None
+
+
+def budgets() -> list[str]:
+    """The names of the budgets that `config/` has."""
+    return sorted(path.stem for path in CONFIG.glob("*.yaml") if path.stem != "base")
+
+
+Option = tuple[str, tuple[str, ...], str]
+"""An option of the command line, the path of keys that it stands for, and its value."""
+
+
+def load_configuration(
+    budget: str = DEFAULT_BUDGET,
+    overrides: Sequence[str] = (),
+    options: Sequence[Option] = (),
+) -> Configuration:
+    """config/base.yaml, overlaid by the budget's file, by overrides ("neat.elitism=3"), by options.
+
+    Raises UserError, in one line with file, key, value and what is allowed.
+    """
+    if budget not in budgets():
+        raise UserError(f'unknown budget "{budget}"{hint(budget, budgets())}')
+    overlay = Overlay()
+    overlay.add_file(CONFIG / "base.yaml")
+    _add_methods(overlay)
+    overlay.add_file(CONFIG / f"{budget}.yaml")
+    for override in overrides:
+        overlay.add_override(override)
+    for option, loc, value in options:
+        overlay.add_option(option, loc, value)
+    _name(overlay, ("budget",), budget)
+    for task in overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ():
+        _name(overlay, ("tasks", task), task)
+    try:
+        configuration = Configuration.model_validate_json(json.dumps(overlay.values))
+    except ValidationError as error:
+        raise UserError(one_line(error, Configuration, overlay.place)) from None
+    for task in configuration.budget.tasks:
+        if task not in configuration.tasks:
+            source = overlay.source(("budget", "tasks"))
+            raise UserError(
+                f'{source}: budget.tasks: unknown task "{task}"{hint(task, configuration.tasks)}'
+            )
+        for name in ("generations", "seeds_per_job"):
+            numbers = getattr(configuration.budget, name)
+            if isinstance(numbers, dict) and task not in numbers:
+                source = overlay.source(("budget", name))
+                raise UserError(f"{source}: budget.{name}: no number for {task}")
+    return configuration
+
+
+def schema() -> dict[str, Any]:
+    """JSON schema of a configuration file, which may hold any part of the whole."""
+    whole = Configuration.model_json_schema()
+    for part in (whole, *whole["$defs"].values()):
+        part.pop("required", None)
+    for named in ("Budget", "Task"):
+        del whole["$defs"][named]["properties"]["name"]
+    return whole
+
+
+def _add_methods(overlay: Overlay) -> None:
+    """Make each rule that the files do not speak of a method, like the paper's three."""
+    methods = overlay.values.get("methods")
+    for name in RULES:
+        if isinstance(methods, dict) and name not in methods:
+            constants = {"rule": name, "weight_mutation": "off"}
+            overlay.add(("methods", name), constants, "neol/network/rules.py")
+
+
+def _name(overlay: Overlay, loc: tuple[str, ...], name: str) -> None:
+    """Give a task or budget its name, and a `gym:` task what Gymnasium knows of it."""
+    content = overlay.values
+    for key in loc:
+        content = content.get(key, {}) if isinstance(content, dict) else {}
+    if not isinstance(content, dict):
+        return  # the types say what is wrong with it
+    if "name" in content:
+        source = overlay.source((*loc, "name"))
+        raise UserError(f"{source}: {'.'.join(loc)}.name: unknown key, it is called {name} already")
+    content["name"] = name
+    if name.startswith("gym:"):
+        for key, value in _gymnasium_constants(name).items():
+            content.setdefault(key, value)
+
+
+def _gymnasium_constants(task: str) -> dict[str, Any]:
+    """The constants of the task `gym:ID`: what Gymnasium's registry says of the environment."""
+    import gymnasium
+
+    environment = task.removeprefix("gym:")
+    if ":" in environment:
+        raise UserError(
+            f'task "{task}": no module is imported; register the environment and name it'
+        )
+    try:
+        registered = gymnasium.spec(environment)
+        if registered.max_episode_steps is None:  # as for what is gone, which making it tells
+            with warnings.catch_warnings(action="ignore"):
+                gymnasium.make(environment, disable_env_checker=True).close()
+    except Exception as error:  # the environment is not ours
+        raise UserError(f'task "{task}": {" ".join(str(error).split())}') from None
+    constants = {"environment": environment, "fresh_world": True}
+    if registered.max_episode_steps is not None:
+        constants["max_steps"] = registered.max_episode_steps
+    return constants
+
+
+if __name__ == "__main__":
+    text = json.dumps(schema(), indent=2) + "\n"
+    write_atomically(CONFIG / "schema.json", text.encode())

@@ -1,0 +1,180 @@
+"""The constants of a configuration, a class for each of its sections.
+
+The classes hold no values: `config/base.yaml` holds every constant with its source.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from neol.network.rules import NO_RULE
+from neol.spec.types import (
+    ForEachTask,
+    MethodName,
+    Model,
+    NonNegativeFloat,
+    NonNegativeInt,
+    Population,
+    PositiveFloat,
+    PositiveInt,
+    Probability,
+    RuleName,
+    Several,
+    Text,
+    WeightMutation,
+)
+
+
+class Task(Model):
+    """A Gymnasium environment and how long an episode of it may be (Section 4.1)."""
+
+    name: Text
+    """Its key under `tasks`; never written in a file."""
+    environment: Annotated[str, Field(pattern="^[^:]+$")]
+    """Gymnasium id, without a module: a file from elsewhere must not have one imported."""
+    max_steps: PositiveInt
+    """T_max: an episode's limit in environment steps."""
+    fresh_world: bool
+    """Make a new environment for every episode: its reset does not forget the one before."""
+
+
+class Network(Model):
+    """The phenotype (Section 4.1, "Algorithm Protocol")."""
+
+    hidden_activation: Literal["tanh", "relu", "sigmoid", "identity"]
+    sum_limit: PositiveFloat
+    """A node's sum is clipped to +- this before its activation."""
+
+
+class PlasticityConstants(Model):
+    """What all rules share (Section A.3)."""
+
+    reward_scale: PositiveFloat
+    """beta."""
+    threshold_rate: Annotated[float, Field(gt=0, le=1)]
+    """alpha of the sliding threshold."""
+    weight_limit: PositiveFloat
+    """A weight is clipped to +- this after every update."""
+    write_back: bool
+    """Write an episode's learned weights to the genome (Lamarckian inheritance)."""
+
+
+class Plasticity(PlasticityConstants):
+    """The plasticity of a run."""
+
+    rule: Text
+    """A record may name one that is not known here; no engine plays with it."""
+    learning_rate: NonNegativeFloat
+    """eta."""
+
+    @property
+    def learns(self) -> bool:
+        """Whether there is a rule at all."""
+        return self.rule != NO_RULE
+
+
+class Evaluation(Model):
+    """How a genome gets its fitness (Algorithm 2), and the champion its held-out score."""
+
+    episodes: Annotated[int, Field(ge=1, le=1_000)]
+    """N: fitness is the mean return over N episodes."""
+    held_out_episodes: Annotated[int, Field(ge=1, le=100_000)]
+    """Fresh episodes that the champion is evaluated on."""
+    step_limit: PositiveInt | None
+    """A run ends with the generation that reaches this many environment steps; null: no limit."""
+
+
+class NeatConstants(Model):
+    """NEAT (Algorithms 3 and 4); rates are probabilities."""
+
+    weight_init_sd: NonNegativeFloat
+    weight_mutate_rate: Probability
+    weight_mutate_power: NonNegativeFloat
+    """Standard deviation of a perturbation."""
+    weight_replace_rate: Probability
+    weight_limit: PositiveFloat
+    bias_init_sd: NonNegativeFloat
+    bias_mutate_rate: Probability
+    bias_mutate_power: NonNegativeFloat
+    """Standard deviation of a perturbation."""
+    bias_replace_rate: Probability
+    bias_limit: PositiveFloat
+    enabled_mutate_rate: Probability
+    disable_rate: Probability
+    """A gene disabled in either parent is disabled in the child."""
+    add_connection_rate: Probability
+    """m_l."""
+    add_node_rate: Probability
+    """m_n."""
+    remove_connection_rate: Probability
+    remove_node_rate: Probability
+    crossover_rate: Probability
+    """p_c."""
+    survival_threshold: Annotated[float, Field(gt=0, le=1)]
+    """rho: the fraction of a species that may become parents."""
+    elitism: NonNegativeInt
+    """E: genomes of a species copied unchanged."""
+    min_species_size: PositiveInt
+    disjoint_coefficient: NonNegativeFloat
+    """c_1."""
+    weight_coefficient: NonNegativeFloat
+    """c_3."""
+    compatibility_threshold: PositiveFloat
+    """delta_t."""
+    distance_normaliser: Literal["matching", "larger_genome"]
+    """N of the distance."""
+    sharing: Literal["stanley", "literal"]
+    max_stagnation: PositiveInt
+    """G_stag: generations without a better best fitness."""
+    species_elitism: NonNegativeInt
+    """Species that never die of stagnation."""
+
+
+class Neat(NeatConstants):
+    """The NEAT of a run."""
+
+    weight_mutation: WeightMutation
+    """WM_MODE: off, config (the rates above) or a probability in place of weight_mutate_rate."""
+
+
+class Method(Model):
+    """What distinguishes NEAT, NEAT (w/o) and the rules of NEOL."""
+
+    rule: RuleName
+    weight_mutation: WeightMutation
+    """WM_MODE: off, config or a probability."""
+
+    @property
+    def learns(self) -> bool:
+        """Whether it has a rule at all."""
+        return self.rule != NO_RULE
+
+
+class Budget(Model):
+    """How much a campaign spends."""
+
+    name: Text
+    """The name of its file; never written in it."""
+    generations: ForEachTask
+    """G: of any task, or for each."""
+    seeds: Annotated[int, Field(ge=1, le=10_000)]
+    """How many: a cell runs with seeds 0 to seeds - 1."""
+    populations: Several[Population]
+    learning_rates: Several[NonNegativeFloat]
+    """Grid of eta for the methods with a rule."""
+    tasks: Several[Text]
+    methods: Several[MethodName]
+    seeds_per_job: ForEachTask
+    """Runs of a cell that one job of the workflow makes: of any task, or for each."""
+
+    def generations_of(self, task: str) -> int:
+        """G of a task's runs."""
+        return _of_task(self.generations, task)
+
+    def seeds_per_job_of(self, task: str) -> int:
+        """How many runs one job makes of a task's cell."""
+        return _of_task(self.seeds_per_job, task)
+
+
+def _of_task(number: int | dict[str, int], task: str) -> int:
+    return number if isinstance(number, int) else number[task]

@@ -1,0 +1,77 @@
+"""YAML files laid over each other, every value remembering where it came from."""
+
+from pathlib import Path
+from typing import Any
+
+from neol.base.errors import UserError
+from neol.spec.plain_yaml import parse_yaml, read_yaml
+
+DEEPEST = 10
+"""Keys in a path of them; the configuration's are shorter."""
+
+
+class Overlay:
+    """Nested dictionaries merged key by key; `values` is the result.
+
+    Raises UserError, in one line, for what cannot be read.
+    """
+
+    def __init__(self) -> None:
+        self.values: dict[str, Any] = {}
+        self._sources: dict[tuple[str, ...], str] = {}
+        self._options: dict[tuple[str, ...], str] = {}
+
+    def add_file(self, path: Path) -> None:
+        """Lay a YAML file over what is there."""
+        name = f"{path.parent.name}/{path.name}"
+        content = read_yaml(path, name)
+        if not isinstance(content, dict):
+            raise UserError(f"{name}: must be a mapping of keys to values")
+        self._sources[()] = name  # whoever leaves a key out, the last file is the place to mend it
+        self._merge(self.values, content, name, ())
+
+    def add_override(self, override: str) -> None:
+        """Lay one value over what is there, written like "neat.elitism=3" (--set)."""
+        key, equals, value = override.partition("=")
+        path = key.strip().split(".")
+        if not (equals and all(path) and len(path) <= DEEPEST):
+            raise UserError(f'--set "{override}": write it as key=value, like neat.elitism=3')
+        self.add(tuple(path), parse_yaml(value, f"--set {override}"), "--set")
+
+    def add_option(self, option: str, loc: tuple[str, ...], value: str) -> None:
+        """Lay the value of a command line's option over what is there."""
+        self.add(loc, parse_yaml(value, f"{option} {value}"), option)
+        self._options[loc] = option
+
+    def source(self, loc: tuple[str, ...]) -> str:
+        """Where the value at a path of keys came from: a file's name, --set or an option."""
+        while loc and loc not in self._sources:
+            loc = loc[:-1]
+        return self._sources[loc]
+
+    def place(self, loc: tuple[str, ...]) -> str:
+        """What a user has to mend for the value at a path of keys: an option, or a source's key."""
+        return self._options.get(loc) or f"{self.source(loc)}: {'.'.join(loc)}"
+
+    def add(self, loc: tuple[str, ...], content: Any, source: str) -> None:
+        """Lay a value over what is there."""
+        for key in reversed(loc):
+            content = {key: content}
+        self._merge(self.values, content, source, ())
+
+    def _merge(
+        self,
+        below: dict[str, Any],
+        above: dict[str, Any],
+        source: str,
+        loc: tuple[str, ...],
+    ) -> None:
+        for key, value in above.items():
+            here = (*loc, str(key))
+            self._sources[here] = source
+            if isinstance(value, dict):
+                if not isinstance(below.get(here[-1]), dict):
+                    below[here[-1]] = {}
+                self._merge(below[here[-1]], value, source, here)
+            else:
+                below[here[-1]] = value

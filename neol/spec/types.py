@@ -1,0 +1,109 @@
+"""The base of everything that is read from a file, and the types of its fields."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, LiteralString, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from neol.network.rules import NO_RULE, RULES, WITHOUT_RULE
+
+
+class Model(BaseModel):
+    """Immutable, strict about types, without unknown keys and without infinities."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        use_attribute_docstrings=True,
+    )
+
+
+Probability = Annotated[float, Field(ge=0, le=1)]
+_LARGEST = 2**53  # compiled loops count so far, and every reader of JSON holds it exactly
+PositiveInt = Annotated[int, Field(ge=1, le=_LARGEST)]
+NonNegativeInt = Annotated[int, Field(ge=0, le=_LARGEST)]
+LARGEST_SEED = 2**63 - 1  # what a record's column holds
+Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
+PositiveFloat = Annotated[float, Field(gt=0)]
+NonNegativeFloat = Annotated[float, Field(ge=0)]
+Population = Annotated[int, Field(ge=2, le=100_000)]  # a slip of the hand would fill the memory
+Text = Annotated[str, Field(min_length=1)]
+Item = TypeVar("Item")
+
+
+def _distinct(values: tuple[Item, ...]) -> tuple[Item, ...]:
+    if len(set(values)) < len(values):
+        raise PydanticCustomError("distinct", "must not name a value twice")
+    return values
+
+
+Several = Annotated[
+    tuple[Item, ...],
+    Field(min_length=1, json_schema_extra={"uniqueItems": True}),
+    AfterValidator(_distinct),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class _OneOf:
+    """Allows a string among names that are asked for each time: rules may be added."""
+
+    names: Callable[[], Sequence[str]]
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {**handler(schema), "enum": list(self.names())}
+
+    def _check(self, value: str) -> str:
+        *most, last = map(repr, self.names())
+        if value not in self.names():
+            raise PydanticCustomError(
+                "one_of", "must be {most} or {last}", {"most": ", ".join(most), "last": last}
+            )
+        return value
+
+
+RuleName = Annotated[str, _OneOf(lambda: [NO_RULE, *RULES])]
+MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES])]
+
+
+def _union(sentence: LiteralString) -> WrapValidator:
+    """Say in one sentence what is allowed where pydantic would report on each member of a union."""
+
+    def check(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return validate(value)
+        except ValidationError:
+            raise PydanticCustomError("union", sentence) from None
+
+    return WrapValidator(check)
+
+
+WeightMutation = Annotated[
+    Literal["off", "config"] | Probability,
+    _union("must be 'off', 'config' or a probability from 0 to 1"),
+]
+ForEachTask = Annotated[
+    PositiveInt | dict[Text, PositiveInt],
+    _union("must be an integer from 1 to 2^53, or such an integer for each task"),
+]

@@ -1,0 +1,112 @@
+"""From a budget to its cells, from cells to runs, and where each record lives."""
+
+import csv
+from collections.abc import Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+
+from neol.spec.configuration import ROOT, Configuration
+from neol.spec.constants import Budget
+from neol.spec.run_spec import RunSpec
+
+RESULTS = Path("results")
+REFERENCE = ROOT / "paper" / "reference"
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One configuration of a grid; `learning_rate` is None for a method without a rule."""
+
+    task: str
+    method: str
+    population: int
+    learning_rate: float | None
+
+    @property
+    def folder(self) -> Path:
+        """Where its records live below a budget's folder: cartpole/hebb/p050_lr0.00025."""
+        rate = "" if self.learning_rate is None else f"_lr{_plain(self.learning_rate)}"
+        return Path(self.task, self.method, f"p{self.population:03d}{rate}")
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Seeds `first` to `last` of a cell: what one job runs and one record holds."""
+
+    budget: str
+    cell: Cell
+    first: int
+    last: int
+
+    @property
+    def seeds(self) -> range:
+        return range(self.first, self.last + 1)
+
+    @property
+    def record(self) -> Path:
+        """results/smoke/cartpole/hebb/p050_lr0.00025/seeds_000-004.parquet"""
+        name = f"seeds_{self.first:03d}-{self.last:03d}.parquet"
+        return RESULTS / self.budget / self.cell.folder / name
+
+
+def cells(configuration: Configuration) -> list[Cell]:
+    """The budget's grid, in the order of its file: tasks, methods, populations, rates."""
+    budget = configuration.budget
+    return [
+        Cell(task, method, population, rate)
+        for task in budget.tasks
+        for method in budget.methods
+        for population in budget.populations
+        for rate in (budget.learning_rates if configuration.methods[method].learns else [None])
+    ]
+
+
+def blocks(configuration: Configuration) -> list[Block]:
+    """The budget's jobs, in the order of its cells and seeds."""
+    return [block for cell in cells(configuration) for block in _split(configuration.budget, cell)]
+
+
+def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
+    """The runs of a block, in the order of their seeds."""
+    cell = block.cell
+    return [
+        configuration.run_spec(
+            task=cell.task,
+            method=cell.method,
+            population=cell.population,
+            learning_rate=cell.learning_rate,
+            generations=configuration.budget.generations_of(cell.task),
+            seed=seed,
+        )
+        for seed in block.seeds
+    ]
+
+
+def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str], Cell]:
+    """The configurations of the paper's Table 3 or 4 that the budget has, by task and method."""
+    available = set(cells(configuration))
+    with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:
+        listed = [
+            Cell(
+                row["task"],
+                row["method"],
+                int(row["population"]),
+                float(row["learning_rate"]) if row["learning_rate"] else None,
+            )
+            for row in csv.DictReader(file)
+            if int(row["table"]) == table
+        ]
+    return {(cell.task, cell.method): cell for cell in listed if cell in available}
+
+
+def _split(budget: Budget, cell: Cell) -> Iterator[Block]:
+    size = budget.seeds_per_job_of(cell.task)
+    for first in range(0, budget.seeds, size):
+        last = min(first + size, budget.seeds) - 1
+        yield Block(budget.name, cell, first, last)
+
+
+def _plain(number: float) -> str:
+    """The shortest decimal that reads back as the number, without an exponent."""
+    return format(Decimal(repr(number)), "f")

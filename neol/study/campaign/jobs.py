@@ -1,0 +1,88 @@
+"""The records of a budget: which call of `neol run` makes each, and whether it must."""
+
+import shlex
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from neol.base.errors import UserError
+from neol.run.record_file import Metadata, first_difference, read_footer
+from neol.spec.configuration import Configuration
+from neol.spec.run_spec import RunSpec
+from neol.study.campaign.grid import RESULTS, blocks, run_specs
+from neol.study.campaign.variants import trials, variants
+
+SENSITIVITY = "sensitivity"
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One call of `neol run`, and the record that it makes."""
+
+    record: Path
+    log: Path
+    """What the call says, where the workflow makes it."""
+    budget: str
+    part: str
+    """Of the campaign: a method, or `SENSITIVITY`."""
+    spec: RunSpec
+    """With the first of its seeds."""
+    seeds: range
+    overrides: Sequence[str] = ()
+
+    @property
+    def arguments(self) -> str:
+        """The job as the command line of `neol run` has it."""
+        spec = self.spec
+        options = {
+            "budget": self.budget,
+            "task": spec.task.name,
+            "method": spec.method,
+            "population": spec.population,
+            "generations": spec.generations,
+            "seed": f"{self.seeds[0]}-{self.seeds[-1]}",
+        }
+        if spec.plasticity.learns:
+            options["learning-rate"] = spec.plasticity.learning_rate
+        words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
+        return shlex.join([*words, *(word for each in self.overrides for word in ("--set", each))])
+
+    def reason(self) -> str | None:
+        """Why the record must be made; None where it is there, of this specification and seeds.
+
+        The record itself says what it was made of, whoever made it, wherever, whenever. One that
+        cannot be read counts as there: it is not overwritten, and its readers say what it is.
+        """
+        if not self.record.exists():
+            return f"{self.record} is missing"
+        try:
+            return self.misfit(read_footer(self.record))
+        except UserError:
+            return None
+
+    def misfit(self, footer: Metadata) -> str | None:
+        """Why a record with this footer must be made anew; None where it is the job's."""
+        if difference := first_difference(footer.spec, self.spec):
+            return f"{self.record} is of another specification: {difference}"
+        if {info.seed for info in footer.seeds} != set(self.seeds):
+            return f"{self.record} is of other seeds than {self.seeds[0]} to {self.seeds[-1]}"
+        return None
+
+
+def jobs(configuration: Configuration, results: Path = RESULTS) -> Iterator[Job]:
+    """All of a budget: its cells' blocks, and the trials of the sensitivity study."""
+    budget, logs = configuration.budget.name, results.absolute().parent / "logs"
+
+    def job(
+        place: Path, part: str, spec: RunSpec, seeds: range, overrides: Sequence[str] = ()
+    ) -> Job:
+        below = place.relative_to(RESULTS)
+        log = (logs / below).with_suffix(".log")
+        return Job(results / below, log, budget, part, spec, seeds, overrides)
+
+    for block in blocks(configuration):
+        spec = run_specs(configuration, block)[0]
+        yield job(block.record, block.cell.method, spec, block.seeds)
+    for name, variant in variants().items():
+        for trial in trials(configuration, name):
+            yield job(trial.record, SENSITIVITY, trial.spec, trial.seeds, variant.set)

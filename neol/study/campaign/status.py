@@ -1,0 +1,178 @@
+"""How far a budget's campaign is, read from its folder and without touching it.
+
+The runs of a record are made one after another. Those that are done are in the record or, while it
+is under way, in its `.partial` folder; the next one is running, interrupted, failed or missing,
+and those after it are missing.
+"""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Literal, get_args
+
+from neol.base.errors import INTERRUPTED, NOTICE, TERMINATED, UserError
+from neol.run import checkpoint
+from neol.run.record_file import read_footer
+from neol.run.workspace import checkpoint_path, finished_path, is_running, partial_folder
+from neol.spec.configuration import Configuration
+from neol.spec.run_spec import RunSpec
+from neol.study.campaign.jobs import Job, jobs
+
+State = Literal["done", "running", "interrupted", "failed", "missing"]
+STATES: tuple[State, ...] = get_args(State)
+
+LOG_BYTES = 2**16
+"""As much of a log's end is read."""
+NO_FAILURE = (NOTICE, f"neol: {INTERRUPTED}", f"neol: {TERMINATED}", "KeyboardInterrupt")
+"""How the last line of a log begins that ends in no error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """What a finished run came to."""
+
+    spec: RunSpec
+    """With its seed."""
+    best_fitness: float
+    held_out: float | None
+    """Mean return of the champion in fresh episodes; None if all of them failed."""
+    cpu_seconds: float
+    wall_seconds: float
+    time: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class JobStatus:
+    """How far a job is."""
+
+    job: Job
+    state: State
+    """Of the first run that is not done; "done" where all are."""
+    finished: tuple[Finished, ...] = ()
+    generation: int = 0
+    """How many generations of that run its last checkpoint holds."""
+    reason: str = ""
+    """Why it failed."""
+
+    @property
+    def runs_left(self) -> float:
+        """How many runs are still to make; a run under way counts by its generations."""
+        return len(self._unfinished) - self.generation / self.job.spec.generations
+
+    @property
+    def seed(self) -> int:
+        """That of the first run that is not done."""
+        return self._unfinished[0]
+
+    @property
+    def states(self) -> Counter[State]:
+        """How many of the runs are in each state."""
+        counts = Counter[State]({"done": len(self.finished)})
+        if self._unfinished:
+            counts[self.state] += 1
+            counts["missing"] += len(self._unfinished) - 1
+        return counts
+
+    @property
+    def _unfinished(self) -> list[int]:
+        return _unfinished(self.job, self.finished)
+
+
+class Folder:
+    """A budget's folder. What a look has read of a record, the next one does not read again."""
+
+    def __init__(self, path: Path, configuration: Configuration) -> None:
+        self.path = path
+        self._jobs = list(jobs(configuration, path.parent))
+        self._read: dict[Path, tuple[tuple[int, int], tuple[Finished, ...]]] = {}
+
+    def look(self) -> list[JobStatus]:
+        """How far each job is now."""
+        return [self._look(job) for job in self._jobs]
+
+    def _look(self, job: Job) -> JobStatus:
+        status = self._status(job)
+        if status.state in ("interrupted", "missing") and (reason := _failure(job.log)):
+            return replace(status, state="failed", reason=reason)
+        return status
+
+    def _status(self, job: Job, looks: int = 3) -> JobStatus:
+        partial = partial_folder(job.record)
+        try:
+            if job.record.exists():
+                finished = self._runs(job)
+                return JobStatus(job, "done" if finished else "missing", finished)
+            if not partial.exists():
+                return JobStatus(job, "missing")
+            singles = [
+                replace(job, record=finished_path(partial, seed), seeds=range(seed, seed + 1))
+                for seed in job.seeds
+            ]
+            finished = tuple(r for one in singles if one.record.exists() for r in self._runs(one))
+        except FileNotFoundError as error:  # done since: its runs have moved to its record
+            if looks == 1:
+                return JobStatus(job, "failed", reason=f"{error.filename}: comes and goes")
+            return self._status(job, looks - 1)
+        except UserError as error:
+            return JobStatus(job, "failed", reason=str(error))
+        if not (unfinished := _unfinished(job, finished)):
+            return JobStatus(job, "done", finished)
+        generation = checkpoint.generations(checkpoint_path(partial, unfinished[0]))
+        state: State = "running" if is_running(partial) else "interrupted"
+        return JobStatus(job, state, finished, generation)
+
+    def _runs(self, job: Job) -> tuple[Finished, ...]:
+        """The runs of a job's record; none where the workflow will make it anew.
+
+        Raises UserError where it cannot be used.
+        """
+        path = job.record
+        stat = path.stat()
+        version = stat.st_mtime_ns, stat.st_size
+        if path not in self._read or self._read[path][0] != version:
+            footer = read_footer(path)
+            infos = () if job.misfit(footer) else footer.seeds
+            runs = tuple(
+                Finished(
+                    spec=job.spec.model_copy(update={"seed": info.seed}),
+                    best_fitness=info.champion.fitness,
+                    held_out=info.held_out.mean,
+                    cpu_seconds=info.cpu_seconds,
+                    wall_seconds=info.wall_seconds,
+                    time=_time(path, info.provenance.time),
+                )
+                for info in infos
+            )
+            self._read[path] = version, runs
+        return self._read[path][1]
+
+
+def _time(path: Path, text: str) -> datetime:
+    """Raises UserError for what is no time with its zone."""
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError:
+        time = datetime.min
+    if time.tzinfo is None:
+        raise UserError(f"{path}: {text[:50]!r} is no time in UTC; restore it, or run anew")
+    return time
+
+
+def _unfinished(job: Job, finished: Iterable[Finished]) -> list[int]:
+    done = {run.spec.seed for run in finished}
+    return [seed for seed in job.seeds if seed not in done]
+
+
+def _failure(log: Path) -> str:
+    """The last line of a log that ends in an error; nothing of any other."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - LOG_BYTES))
+            lines = file.read(LOG_BYTES).decode(errors="replace").split("\n")
+    except OSError:
+        return ""
+    last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+    is_error = last.startswith("neol: ") or "Traceback (most recent call last):" in lines
+    return last if is_error and not last.startswith(NO_FAILURE) else ""

@@ -1,0 +1,112 @@
+"""Sensitivity: the constants that the paper leaves open, changed one at a time.
+
+config/sensitivity/ lists the variants and states the study's size; the workflow runs their trials.
+"""
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from neol.base.errors import UserError, hint, one_line
+from neol.spec.configuration import CONFIG, Configuration, load_configuration
+from neol.spec.run_spec import RunSpec
+from neol.spec.sources import Overlay
+from neol.spec.types import MethodName, Model, Population, PositiveInt, Several
+from neol.study.campaign.grid import RESULTS
+
+VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
+STUDY = CONFIG / "sensitivity" / "study.yaml"
+BASELINE = "baseline"
+FIRST_SEED = 1_000_000
+"""Tuning seeds begin here, beyond those of every budget."""
+Content = TypeVar("Content")
+
+
+class Study(Model):
+    """How much a variant spends at most; a smaller budget's own size is less."""
+
+    generations: PositiveInt
+    population: Population
+    seeds: PositiveInt
+
+
+class Variant(Model):
+    """Some constants changed, for the methods that they concern."""
+
+    methods: Several[MethodName]
+    set: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A task and method under a variant: one record."""
+
+    variant: str
+    task: str
+    method: str
+    spec: RunSpec
+    """With the first of its seeds."""
+    seeds: range
+    record: Path
+
+
+def study() -> Study:
+    """The size that the file states. Raises UserError for what it may not state."""
+    return _read(STUDY, Study)
+
+
+def variants() -> dict[str, Variant]:
+    """Those that the file lists, the baseline first. Raises UserError for what it may not list."""
+    return _read(VARIANTS, dict[str, Variant])
+
+
+def _read(path: Path, kind: type[Content]) -> Content:
+    overlay = Overlay()
+    overlay.add_file(path)
+    try:
+        return TypeAdapter(kind).validate_json(json.dumps(overlay.values))
+    except ValidationError as error:
+        raise UserError(one_line(error, kind, overlay.place)) from None
+
+
+def trials(configuration: Configuration, name: str) -> list[Trial]:
+    """What a variant runs in a budget, for each of its tasks and methods."""
+    budget, most = configuration.budget, study()
+    known = variants()
+    if name not in known:
+        raise UserError(f'unknown variant "{name}"{hint(name, known)}')
+    variant = known[name]
+    try:
+        changed = load_configuration(budget.name, variant.set)
+    except UserError as error:
+        raise UserError(f"{VARIANTS.parent.name}/{VARIANTS.name}: {name}.set: {error}") from None
+    rate = budget.learning_rates[len(budget.learning_rates) // 2]
+    seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seeds, most.seeds))
+    return [
+        Trial(
+            variant=name,
+            task=task,
+            method=method,
+            spec=changed.run_spec(
+                task=task,
+                method=method,
+                population=min(*budget.populations, most.population),
+                learning_rate=rate if changed.methods[method].learns else None,
+                generations=min(budget.generations_of(task), most.generations),
+                seed=seeds[0],
+            ),
+            seeds=seeds,
+            record=folder(budget.name, name) / f"{task}_{method}.parquet",
+        )
+        for task in budget.tasks
+        for method in variant.methods
+    ]
+
+
+def folder(budget: str, name: str) -> Path:
+    """Where a variant's records lie: results/smoke/sensitivity/beta-0.001."""
+    return RESULTS / budget / "sensitivity" / re.sub(r"[^\w.]+", "-", name)

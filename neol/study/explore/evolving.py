@@ -1,0 +1,124 @@
+"""Small runs that evolve while one looks on."""
+
+import contextlib
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from neol.pictures.labels import drawn, method_label, task_label
+from neol.pictures.style import GREY, WIDTH, drawing, styles
+from neol.rollout import make_engine
+from neol.rollout.reference import network_size
+from neol.run.evolution import Evolution, Generation
+from neol.run.record import HeldOut
+from neol.spec.configuration import load_configuration
+from neol.spec.run_spec import RunSpec
+
+PICTURE_SECONDS = 0.3
+"""Pictures come no oftener."""
+LONGEST_SECONDS = 60.0
+"""A generation that ends later is the last one."""
+HELD_OUT_EPISODES = 20
+
+
+def specification(
+    *,
+    task: str,
+    method: str,
+    eta: float,
+    beta: float,
+    population: int,
+    generations: int,
+    seed: int,
+) -> RunSpec:
+    """A run of the paper's constants but for these; eta is left aside for a method without a rule.
+
+    Raises UserError for what no run can be.
+    """
+    configuration = load_configuration(
+        "paper",
+        [
+            f"plasticity.reward_scale={beta}",
+            f"evaluation.held_out_episodes={HELD_OUT_EPISODES}",
+        ],
+    )
+    learns = {name for name, each in configuration.methods.items() if each.learns}
+    return configuration.run_spec(
+        task=task,
+        method=method,
+        population=population,
+        learning_rate=eta if method in learns else None,
+        generations=generations,
+        seed=seed,
+    )
+
+
+@dataclass(slots=True)
+class Evolutions:
+    """Each call evolves a population and draws it; the runs before stay, in grey."""
+
+    earlier: list[tuple[str, str, list[Generation]]] = field(default_factory=list)
+    """Task, label and history, the oldest first."""
+
+    def __call__(self, **settings: Any) -> Iterator[Figure]:
+        """Yield a picture now and then, the last one with the champion's fresh episodes.
+
+        The settings are those of `specification`, and errors too. A run that takes too long is
+        stopped, and the picture says so.
+        """
+        spec = specification(**settings)
+        label = f"{method_label(spec.method)} P={spec.population} seed {spec.seed}"
+        if spec.plasticity.learns:
+            label += f" η={spec.plasticity.learning_rate:g} β={spec.plasticity.reward_scale:g}"
+        begun, latest = time.monotonic(), -float("inf")
+        evolution = Evolution.begin(spec, *network_size(spec.task))
+        with contextlib.closing(make_engine(spec.task)) as engine:
+            for _ in evolution.run(engine):
+                now = time.monotonic()
+                if now - begun >= LONGEST_SECONDS:
+                    break
+                if now - latest >= PICTURE_SECONDS:
+                    yield self._draw(spec, label, evolution.history)
+                    latest = time.monotonic()
+            held_out = HeldOut.of(evolution.held_out_returns(engine))
+        mean = "failed" if held_out.mean is None else drawn(f"{held_out.mean:.1f}")
+        remark = f", champion in {len(held_out.returns)} fresh episodes: {mean}"
+        if len(evolution.history) < spec.generations:
+            remark += f"\nstopped after {LONGEST_SECONDS:g} s"
+        yield self._draw(spec, label, evolution.history, remark)
+        self.earlier.append((spec.task.name, label, evolution.history))
+
+    def _draw(
+        self, spec: RunSpec, label: str, history: list[Generation], remark: str = ""
+    ) -> Figure:
+        with drawing():
+            figure = Figure(figsize=(WIDTH, 2.8))
+            axis = figure.subplots()
+            self._draw_earlier(axis, spec.task.name)
+            _draw_run(axis, label, history, styles([spec.method])[spec.method].colour)
+            axis.set_xlim(1, spec.generations)
+            axis.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+            axis.set_title(f"{task_label(spec.task.name)}{remark}")
+            axis.set_xlabel("Generation")
+            axis.set_ylabel("Best fitness (return)")
+            figure.legend(loc="outside right upper")
+        return figure
+
+    def _draw_earlier(self, axis: Axes, task: str) -> None:
+        for name, label, history in self.earlier:
+            if name == task:
+                best = [row.best_fitness for row in history]
+                x = [row.generation for row in history]
+                axis.plot(x, best, color=GREY, alpha=0.5, linewidth=0.8, label=label)
+
+
+def _draw_run(axis: Axes, label: str, history: list[Generation], colour: str) -> None:
+    x = [row.generation for row in history]
+    axis.plot(x, [row.best_fitness for row in history], color=colour, label=label)
+    mean = [row.mean_fitness for row in history]
+    axis.plot(x, mean, color=colour, linestyle=":", label="its population's mean")

@@ -1,0 +1,38 @@
+"""A drawn figure and what it was made from."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from neol.base.files import write_atomically
+from neol.pictures.style import png, save
+from neol.spec.configuration import Configuration
+from neol.study.outcomes.campaign_runs import Source
+from neol.study.output.sidecar import write_sidecar
+
+
+@dataclass(frozen=True, repr=False)
+class Drawing:
+    """A figure with its name and sources. A notebook shows it as a picture."""
+
+    name: str
+    """figure2: the stem of its files."""
+    figure: Figure
+    configuration: Configuration
+    sources: tuple[Source, ...]
+    """The records behind it."""
+    frame: pd.DataFrame | None = None
+    """What it shows, where no table does."""
+
+    def write(self, folder: Path) -> None:
+        """Write name.pdf, name.png, name.json (where it comes from) and, with a frame, name.csv."""
+        outputs = save(self.figure, folder / f"{self.name}.pdf")
+        if self.frame is not None:
+            outputs.append(folder / f"{self.name}.csv")
+            write_atomically(outputs[-1], self.frame.to_csv(index=False).encode())
+        write_sidecar(outputs, self.configuration, self.sources)
+
+    def _repr_png_(self) -> bytes:
+        return png(self.figure)

@@ -1,0 +1,1 @@
+"""Numbers from records: outcomes of runs, SCORE, statistics, effects."""

@@ -1,0 +1,76 @@
+"""Which of a budget's cells stands for a method on a task."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+
+from neol.spec.configuration import Configuration
+from neol.spec.constants import Budget
+from neol.study.campaign.exhibits import challengers
+from neol.study.campaign.grid import Cell, cells, paper_cells
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """How a table chooses the cells that it shows."""
+
+    against: tuple[str, ...]
+    """With which NEAT it compares."""
+    metric: str
+    """Where there is a choice, the highest mean of this takes it."""
+    paper_table: int | None
+    """Of configurations: 3 or 4; None for the largest population with any learning rate."""
+
+    def methods(self, budget: Budget) -> tuple[str, ...]:
+        """Its columns, in the paper's order."""
+        return (*challengers(budget), *self.against)
+
+
+SETTINGS = {
+    "table3": Setting(("neat",), "final_best", paper_table=3),
+    "table4": Setting(("neat_wo",), "final_best", paper_table=4),
+    "score": Setting(("neat", "neat_wo"), "score", paper_table=None),
+}
+"""Tables 1, 3 and 5; Tables 4 and 7; Tables 2, 6 and 8."""
+
+
+def candidates(
+    configuration: Configuration, setting: str = "table3"
+) -> dict[tuple[str, str], list[Cell]]:
+    """The cells that a setting chooses among, for each task and method that the budget has.
+
+    The paper's configuration alone where the budget's grid has it, otherwise the grid; for SCORE
+    what the grid has of the largest population.
+    """
+    chosen_by, grid = SETTINGS[setting], cells(configuration)
+    methods = chosen_by.methods(configuration.budget)
+    table, largest = chosen_by.paper_table, max(configuration.budget.populations)
+    paper = {} if table is None else paper_cells(configuration, table)
+    chosen: dict[tuple[str, str], list[Cell]] = {}
+    for cell in grid:
+        place = cell.task, cell.method
+        is_candidate = (
+            cell.population == largest if table is None else paper.get(place, cell) == cell
+        )
+        if cell.method in methods and is_candidate:
+            chosen.setdefault(place, []).append(cell)
+    return chosen
+
+
+def choose(values: Mapping[Cell, Sequence[float]], complete: Collection[Cell]) -> Cell | None:
+    """The best of some cells by their runs' values, among those that have all their seeds.
+
+    A single cell is taken as it is; None where there is none, or none is complete.
+    """
+    if len(values) == 1:
+        return next(iter(values))
+    means = {cell: fmean(runs) for cell, runs in values.items() if cell in complete}
+    return best(means) if means else None
+
+
+def best(means: Mapping[Cell, float]) -> Cell:
+    """The cell with the highest mean, as the paper chooses (Table 5's caption).
+
+    Of equal means the smaller population wins, then the smaller rate.
+    """
+    return min(means, key=lambda cell: (-means[cell], cell.population, cell.learning_rate or 0.0))

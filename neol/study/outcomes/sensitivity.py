@@ -1,0 +1,79 @@
+"""How much each constant that the paper leaves open matters, against the baseline's runs."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from neol.base.errors import UserError
+from neol.spec.configuration import Configuration
+from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.variants import BASELINE, Trial, trials, variants
+from neol.study.outcomes.campaign_runs import Source
+from neol.study.outcomes.statistics import Floats, estimate
+
+
+def sensitivity(
+    configuration: Configuration, results: Path = RESULTS, seed: int = 0
+) -> tuple[pd.DataFrame, tuple[Source, ...]]:
+    """Held-out return of each variant's champions: mean, and the baseline's runs beaten.
+
+    The training maximum would not do: a variant can change what it measures (N). A variant's run
+    shares its seed with one of the baseline, so `a12` is of these pairs: the share in which the
+    variant's ends higher, ties half, with the interval of a bootstrap over pairs. Runs that are the
+    same give exactly 1/2. `difference` is the pairs' mean difference. A row for each variant, task
+    and method, with its `seeds`, those of them `without_value` (a champion that failed in all fresh
+    episodes), the `pairs` that remain, and how many of the runs are the `same` as the baseline's in
+    each number of each generation: there the constant acted on nothing. What is not there gives
+    NaN. And the records.
+    """
+    random = np.random.default_rng(seed)
+    samples: dict[tuple[str, str, str], pd.Series[float]] = {}
+    histories: dict[tuple[str, str, str], dict[int, pd.DataFrame]] = {}
+    sources: list[Source] = []
+    rows = []
+    for name in variants():
+        for trial in trials(configuration, name):
+            place, baseline = ((each, trial.task, trial.method) for each in (name, BASELINE))
+            samples[place], histories[place], source = _read(trial, results)
+            sources += source
+            sample = samples[place]
+            pairs = (sample - samples[baseline]).dropna()  # aligned by seed
+            same = sum(
+                seed in histories[baseline] and history.equals(histories[baseline][seed])
+                for seed, history in histories[place].items()
+            )
+            a12 = estimate(_mean, [(np.sign(pairs.to_numpy()) + 1) / 2], random)
+            values = a12.value, a12.low, a12.high
+            counts = len(sample), int(sample.isna().sum()), len(pairs), same
+            rows.append((*place, *counts, sample.mean(), *values, pairs.mean()))
+    counts_of = ["seeds", "without_value", "pairs", "same"]
+    effect = ["mean", "a12", "low", "high", "difference"]
+    columns = ["variant", "task", "method", *counts_of, *effect]
+    return pd.DataFrame(rows, columns=columns), tuple(sources)
+
+
+def _read(
+    trial: Trial, results: Path
+) -> tuple["pd.Series[float]", dict[int, pd.DataFrame], list[Source]]:
+    """By seed the held-out mean of a trial's champion, and its generations; and the record."""
+    below = trial.record.relative_to(RESULTS)
+    path = results / below
+    if not path.exists():
+        return pd.Series(dtype=np.float64), {}, []
+    record, source = Source.read(results, below, trial.spec)
+    if [info.seed for info in record.seeds] != list(trial.seeds):
+        raise UserError(
+            f"{path}: does not hold seeds {trial.seeds[0]} to {trial.seeds[-1]}, those of the "
+            "study; remove it and run anew"
+        )
+    held_out = {info.seed: info.held_out.mean for info in record.seeds}
+    frame = record.frame()
+    histories = {
+        info.seed: frame[frame["seed"] == info.seed].reset_index(drop=True) for info in record.seeds
+    }
+    return pd.Series(held_out, dtype=np.float64), histories, [source]
+
+
+def _mean(sample: Floats) -> Floats:
+    return np.asarray(sample.mean(axis=-1))

@@ -1,0 +1,103 @@
+"""What captions say of a budget: how much it spends, and what of it is not there."""
+
+from collections.abc import Mapping, Sequence
+
+from neol.pictures.labels import listed, task_label
+from neol.spec.configuration import Configuration, load_configuration
+from neol.spec.constants import Budget
+from neol.study.campaign.grid import cells
+from neol.study.campaign.shown import chosen_tasks, with_tasks
+from neol.study.campaign.variants import BASELINE, trials
+from neol.study.outcomes.campaign_runs import Campaign
+
+
+def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
+    """A budget in a sentence or two, for captions that concern some of its tasks, or all."""
+    budget = configuration.budget
+    sentence = (
+        f"Budget {describe_name(budget)}: G = {describe_generations(budget, tasks)} generations, "
+        f"{budget.seeds} seeds, {describe_episodes(configuration, tasks)}."
+    )
+    return sentence if is_papers(configuration) else f"{sentence} Reduced budget: not the paper's."
+
+
+def describe_name(budget: Budget) -> str:
+    """Its name, and which tasks there are if not all: paper, CartPole only."""
+    tasks = chosen_tasks(budget)
+    return f"{budget.name}, {listed(map(task_label, tasks))} only" if tasks else budget.name
+
+
+def is_papers(configuration: Configuration) -> bool:
+    """Whether it spends what the paper does, on whatever tasks."""
+    return configuration == with_tasks(load_configuration("paper"), configuration.budget.tasks)
+
+
+def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:
+    """G of some tasks, or of all: 500, or 50 (CartPole, LunarLander), 6 (Hopper)."""
+    return by_task({task: str(budget.generations_of(task)) for task in tasks or budget.tasks})
+
+
+def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
+    """Number and length of episodes, for captions that concern some of a budget's tasks, or all."""
+    episodes = configuration.evaluation.episodes
+    steps = by_task(
+        {
+            task: str(configuration.tasks[task].max_steps)
+            for task in tasks or configuration.budget.tasks
+        }
+    )
+    return f"N = {episodes} episode{'s' * (episodes > 1)} per evaluation of at most {steps} steps"
+
+
+def describe_samples(campaign: Campaign, tasks: Sequence[str] = ()) -> str:
+    """M of the SCORE of some tasks, or of all: 1e8, or 1e7 (CartPole), 1.2e6 (Hopper)."""
+    return by_task(
+        {
+            task: _scientific(campaign.score_samples(task))
+            for task in tasks or campaign.configuration.budget.tasks
+        }
+    )
+
+
+def lacking(campaign: Campaign) -> str:
+    """How many of a budget's cells lack seeds, in a sentence for captions; empty where none does.
+
+    The figures that put many cells together cannot mark each, so they say this.
+    """
+    grid = cells(campaign.configuration)
+    missing = [len(campaign.runs(cell).missing) for cell in grid]
+    if not any(missing):
+        return ""
+    runs = len(grid) * campaign.configuration.budget.seeds
+    incomplete = sum(map(bool, missing))
+    return (
+        f"Seeds are missing: {incomplete} of {len(grid)} cells are incomplete, "
+        f"{sum(missing)} of {runs} runs are not there."
+    )
+
+
+def by_task(values: Mapping[str, str]) -> str:
+    """A value that all tasks share, or each value with its tasks."""
+    if len(set(values.values())) == 1:
+        return next(iter(values.values()))
+    return ", ".join(
+        f"{value} ({', '.join(task_label(task) for task in values if values[task] == value)})"
+        for value in dict.fromkeys(values.values())
+    )
+
+
+def _scientific(number: float) -> str:
+    digits, _, exponent = f"{number:.3e}".partition("e")
+    return f"{float(digits):g}e{int(exponent)}"
+
+
+def describe_trials(configuration: Configuration) -> str:
+    """How the variants were run, in a sentence, for captions."""
+    first, *others = trials(configuration, BASELINE)
+    rate = max(trial.spec.plasticity.learning_rate for trial in (first, *others))
+    generations = {trial.task: str(trial.spec.generations) for trial in (first, *others)}
+    return (
+        f"Sensitivity runs of budget {configuration.budget.name}: G = {by_task(generations)} "
+        f"generations, population {first.spec.population}, learning rate {rate:g}, "
+        f"{len(first.seeds)} seeds that no table uses."
+    )

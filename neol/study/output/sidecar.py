@@ -1,0 +1,121 @@
+"""Beside every output a JSON file that leads back from it to its runs."""
+
+import hashlib
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Self
+
+from pydantic import ValidationError
+
+from neol.base.errors import UserError
+from neol.base.files import read_bounded, sha256, write_atomically
+from neol.run.provenance import checkout, describe_checkout
+from neol.spec.configuration import ROOT, Configuration
+from neol.spec.run_spec import canonical_json
+from neol.spec.types import Model
+from neol.study.campaign.shown import snakemake_options
+from neol.study.outcomes.campaign_runs import Source
+
+MAX_BYTES = 2**27
+INPUTS = ("paper", "notebooks", "rules", "Snakefile", "pyproject.toml")
+"""What decides, beside code, constants and records, what tables and figures say."""
+
+
+def command(output: Path, configuration: Configuration) -> str:
+    """What makes an output again, from the root of the checkout."""
+    path = os.path.relpath(output.resolve(), ROOT)
+    return f"snakemake {path} {snakemake_options(configuration.budget)}"
+
+
+class Sidecar(Model):
+    """What made some outputs: figures/table1.json, of table1.tex and table1.csv beside it."""
+
+    outputs: dict[str, str]
+    """SHA-256 by name."""
+    command: str
+    """That makes them."""
+    commit: str | None
+    dirty: bool | None
+    """Whether code, constants or `INPUTS` differed from that commit; None outside a checkout."""
+    budget: str
+    configuration: str
+    """SHA-256 of the resolved configuration as canonical JSON."""
+    records: tuple[Source, ...]
+
+    def code(self, digits: int | None = None) -> str:
+        """The commit, so many digits of it; with -dirty where it was not all."""
+        return describe_checkout(self.commit, self.dirty, digits)
+
+    @property
+    def runs(self) -> int:
+        """How many are behind the outputs."""
+        return sum(len(record.runs) for record in self.records)
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Raises UserError where there is none, or it is damaged."""
+        try:
+            return cls.model_validate_json(read_bounded(path, MAX_BYTES))
+        except ValidationError:
+            raise UserError(
+                f"{path}: damaged, or made by another version of neol; make it anew"
+            ) from None
+
+
+def write_sidecar(
+    outputs: Sequence[Path], configuration: Configuration, sources: Iterable[Source]
+) -> None:
+    """Write the sidecar of outputs that are there already."""
+    resolved = canonical_json(configuration.model_dump(mode="json"))
+    commit, dirty = checkout(*INPUTS)
+    sidecar = Sidecar(
+        outputs={path.name: sha256(path) for path in outputs},
+        command=command(outputs[0], configuration),
+        commit=commit,
+        dirty=dirty,
+        budget=configuration.budget.name,
+        configuration=hashlib.sha256(resolved).hexdigest(),
+        records=tuple(sources),
+    )
+    text = sidecar.model_dump_json(indent=1) + "\n"
+    write_atomically(outputs[0].with_suffix(".json"), text.encode())
+
+
+def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
+    """Lines that say what made an output: command, commit, budget, and each record and its runs.
+
+    The files made together come first. One of them or a record that has changed since, or is not
+    there, is marked. Raises UserError where there is no such output, or the JSON file beside it is
+    missing or damaged.
+    """
+    if not output.is_file():
+        raise UserError(f"{output}: there is no such file")
+    if output.suffix == ".parquet":
+        raise UserError(f"{output}: a record, not made from others; ask neol digest for its runs")
+    path = output.with_suffix(".json")
+    if not path.exists():
+        raise UserError(f"{output}: has no {path.name} beside it, so nothing is known of it")
+    sidecar = Sidecar.read(path)
+    if output.name not in (*sidecar.outputs, path.name):
+        raise UserError(f"{output}: not one of the files that {path.name} is about")
+    for name, expected in sidecar.outputs.items():
+        yield f"{name}{_state(path.parent / name, expected)}"
+    yield f"made by  {sidecar.command}"
+    yield f"commit   {sidecar.code()}"
+    yield f"budget   {sidecar.budget}, configuration {sidecar.configuration[:16]}"
+    yield f"records  {len(sidecar.records)}, of {sidecar.runs} runs"
+    for record in sidecar.records:
+        yield ""
+        yield f"{record.path}{_state(root / record.path, record.sha256)}"
+        yield f"  sha256 {record.sha256}"
+        yield f"  spec   {record.spec}"
+        yield from (f"  seed {seed}: {digest}" for seed, digest in record.runs.items())
+
+
+def _state(path: Path, expected: str) -> str:
+    """What has become of a file since."""
+    try:
+        return "" if sha256(path) == expected else "  (changed since)"
+    except UserError:
+        return "  (not here)"

@@ -1,0 +1,100 @@
+"""What the modules of this folder are given: a budget, and files that the workflow made before."""
+
+import argparse
+import hashlib
+import io
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import jinja2
+import pandas as pd
+
+from neol.base.errors import UserError
+from neol.base.files import read_bounded
+from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.shown import select
+from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.output.sidecar import Sidecar
+from neol.study.tables import paper_tables
+from neol.study.tables.table import Table
+
+MAX_BYTES = 2**27
+
+
+def command_line(module: str, purpose: str | None, work: Callable[..., None], **paths: str) -> None:
+    """Call `work` with a budget's campaign and some paths, each with its meaning, as a program."""
+    parser = argparse.ArgumentParser(prog=f"python -m {module}", description=purpose)
+    parser.add_argument("budget")
+    parser.add_argument("--tasks", default="", help="some of the budget's only: cartpole,hopper")
+    for name, meaning in paths.items():
+        parser.add_argument(name, type=Path, help=meaning)
+    arguments = vars(parser.parse_args())
+    try:
+        configuration = select(arguments.pop("budget"), arguments.pop("tasks"))
+        work(Campaign(configuration, RESULTS), **arguments)
+    except UserError as error:
+        print(f"neol: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+def read(path: Path) -> bytes:
+    """The content of a file that the workflow makes. Raises UserError where there is none."""
+    try:
+        return read_bounded(path, MAX_BYTES)
+    except UserError as error:
+        raise UserError(f"{error}; `make report` makes what is missing") from None
+
+
+def vouched(output: Path) -> tuple[bytes, Sidecar]:
+    """The content of a table or figure, and the sidecar that says what made it.
+
+    Raises UserError where one is missing, or the file, or one that was made with it (a table's
+    LaTeX, a figure's PDF), is not the one that the sidecar is about.
+    """
+    content = read(output)
+    sidecar = Sidecar.read(output.with_suffix(".json"))
+    for name in {output.name, *sidecar.outputs}:
+        file = output.with_name(name)
+        if hashlib.sha256(read(file)).hexdigest() != sidecar.outputs.get(name):
+            raise UserError(
+                f"{file}: changed since {output.stem}.json was written; "
+                "remove both, and `make report` makes them anew"
+            )
+    return content, sidecar
+
+
+def vouched_frame(path: Path) -> pd.DataFrame:
+    """A table's cells, from its CSV. Raises UserError as `vouched` does."""
+    content, _ = vouched(path)
+    return pd.read_csv(io.BytesIO(content))
+
+
+def vouched_table(campaign: Campaign, figures: Path, number: int) -> tuple[Table, Sidecar]:
+    """A table of the paper made anew, which is the one that its file holds.
+
+    Raises UserError where that is not so, or as `vouched` does.
+    """
+    table: Table = getattr(paper_tables, f"table{number}")(campaign)
+    file = figures / f"{table.name}.csv"
+    content, sidecar = vouched(file)
+    if content != table.csv():
+        raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it anew")
+    return table, sidecar
+
+
+def render(template: str, **values: object) -> str:
+    """One of the templates here, filled in; what values say is escaped in HTML.
+
+    Raises jinja2.UndefinedError for a name that no value has.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("neol.study.report", "."),
+        autoescape=jinja2.select_autoescape(["html.j2"]),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["short"] = lambda digest: digest[:12]
+    return environment.get_template(template).render(values)

@@ -1,0 +1,159 @@
+"""The report page: the claims, every table and figure, and what is behind them, in one HTML file.
+
+It needs no network: style and pictures are inside. `page.html.j2` is its text.
+"""
+
+import base64
+from collections import Counter
+from collections.abc import Hashable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import markupsafe
+from markdown_it import MarkdownIt
+
+from neol.base.files import write_atomically
+from neol.run.provenance import checkout, describe_checkout
+from neol.spec.configuration import ROOT
+from neol.study.campaign.exhibits import BEYOND, heatmaps_of
+from neol.study.campaign.shown import snakemake_options
+from neol.study.claims import open_claims
+from neol.study.claims.claims import Claim, load_claims
+from neol.study.outcomes.campaign_runs import Campaign, costs
+from neol.study.output.captions import describe_budget, lacking
+from neol.study.output.sidecar import INPUTS, Sidecar
+from neol.study.report.inputs import (
+    command_line,
+    read,
+    render,
+    vouched,
+    vouched_frame,
+    vouched_table,
+)
+from neol.study.report.metadata import metadata
+from neol.study.report.showcase import Showcase, Shown
+
+CAPTIONS = ROOT / "paper" / "captions"
+
+
+@dataclass(frozen=True, slots=True)
+class Exhibit:
+    """A table or a figure of the page."""
+
+    name: str
+    caption: str
+    content: markupsafe.Markup
+    origin: Sidecar
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A claim with its parts, as claims.csv has them."""
+
+    claim: Claim
+    verdict: str
+    parts: list[dict[Hashable, Any]]
+    lacks: str | None
+    """Of an open claim: why it is open, or the seeds that would decide it."""
+
+
+def page(campaign: Campaign, figures: Path, champions: Path) -> str:
+    """The report as HTML.
+
+    `figures` holds the budget's tables and figures, `champions` is what `showcase` made.
+    Raises UserError where a file is not there, or is not what its sidecar or the records say.
+    """
+    configuration = campaign.configuration
+    judged = _judged(figures)
+    paper_tables = [_table(campaign, figures, number) for number in range(1, 9)]
+    numbers = 2, 3, *heatmaps_of(configuration.budget)
+    paper_figures = [_figure(figures, f"figure{number}") for number in numbers]
+    beyond = [_figure(figures, name) for name in BEYOND]
+    exhibits = [*paper_tables, *paper_figures, *beyond]
+    records = {record.path: record for each in exhibits for record in each.origin.records}
+    showcase = Showcase.model_validate_json(read(champions))
+    return render(
+        "page.html.j2",
+        project=metadata(),
+        budget=configuration.budget,
+        options=snakemake_options(configuration.budget),
+        described=describe_budget(configuration),
+        lacking=lacking(campaign),
+        commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
+        judged=judged,
+        counts=Counter(each.verdict for each in judged),
+        tables=paper_tables,
+        figures=paper_figures,
+        beyond=beyond,
+        champions=[(shown, *_pictures(shown)) for shown in showcase.champions],
+        costs=costs(campaign),
+        records=[records[path] for path in sorted(records)],
+        assumptions=_markdown(ROOT / "docs" / "assumptions.md"),
+    )
+
+
+def _table(campaign: Campaign, figures: Path, number: int) -> Exhibit:
+    table, sidecar = vouched_table(campaign, figures, number)
+    return Exhibit(
+        table.name, _caption(table.name), markupsafe.Markup(table._repr_html_()), sidecar
+    )
+
+
+def _figure(figures: Path, name: str) -> Exhibit:
+    caption = _caption(name)
+    content, sidecar = vouched(figures / f"{name}.png")
+    source = _data(content, "image/png")
+    image = markupsafe.Markup('<img src="{}" alt="{}">').format(source, caption)
+    return Exhibit(name, caption, image, sidecar)
+
+
+def _caption(name: str) -> str:
+    return (CAPTIONS / f"{name}.rst").read_text(encoding="utf-8").strip()
+
+
+def _judged(figures: Path) -> list[Judged]:
+    claims = {claim.id: claim for claim in load_claims()}
+    ledger = vouched_frame(figures / "claims.csv")
+    lacks = open_claims.lacks_of_open(ledger)
+    return [
+        Judged(
+            claims[str(name)],
+            parts["verdict"].iloc[0],
+            parts.to_dict("records"),
+            lacks.get(str(name)),
+        )
+        for name, parts in ledger.groupby("claim", sort=False)
+    ]
+
+
+def _pictures(shown: Shown) -> tuple[str, str | None]:
+    """The drawing of a champion's network, and its film where there is one."""
+    film = None if shown.film is None else _data(shown.film, "image/gif")
+    return _data(shown.network, "image/png"), film
+
+
+def _markdown(path: Path) -> markupsafe.Markup:
+    """A document without its title, its headings two levels lower."""
+    text = path.read_text(encoding="utf-8").split("\n", 1)[1].replace("\n## ", "\n### ")
+    return markupsafe.Markup(MarkdownIt("commonmark").enable("table").render(text))
+
+
+def _data(content: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def write_page(campaign: Campaign, figures: Path, champions: Path, output: Path) -> None:
+    """Write the report of a budget."""
+    write_atomically(output, page(campaign, figures, champions).encode())
+
+
+if __name__ == "__main__":
+    command_line(
+        "neol.study.report.page",
+        __doc__,
+        write_page,
+        figures="the folder of its tables and figures",
+        champions="what neol.study.report.showcase made",
+        output="the page",
+    )

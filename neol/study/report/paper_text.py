@@ -1,0 +1,209 @@
+"""The numbers in the text of paper/reproduction.tex, each of a file that records made.
+
+The text writes \\result{table1/hopper/bcm/here} for what Table 1 prints of BCM on Hopper, with
+`paper` at its end for the paper's own value beneath it, and \\result{cost/hopper/runs} for what was
+spent. What a budget does not have (a task, say) is printed as a dash.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from neol.base.files import write_atomically
+from neol.pictures.labels import task_label
+from neol.spec.configuration import Configuration
+from neol.study.claims import open_claims
+from neol.study.outcomes import paper_numbers
+from neol.study.outcomes.campaign_runs import Campaign, costs
+from neol.study.outcomes.effects import FITNESS
+from neol.study.output.captions import (
+    describe_generations,
+    describe_name,
+    describe_samples,
+    describe_trials,
+    is_papers,
+    lacking,
+)
+from neol.study.output.latex import escape
+from neol.study.report import words
+from neol.study.report.inputs import command_line, vouched_frame, vouched_table
+from neol.study.report.metadata import metadata
+from neol.study.tables.table import Table, latex_entry
+
+TABLES = range(1, 9)
+"""The paper's."""
+TOGETHER = {"fitness": (1, 3, 4, 5, 7), "score": (2, 6, 8)}
+"""Which of them each of the text's own tables puts together."""
+
+_DEFINITIONS = r"""
+\makeatletter
+\newcommand{\setresult}[2]{\@namedef{result:#1}{#2}}
+\newcommand{\result}[1]{\ifcsname result:#1\endcsname\@nameuse{result:#1}\else--\fi}
+\makeatother
+"""
+
+
+def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
+    """Every number that the text may show, by name, as LaTeX.
+
+    Raises UserError where a file is missing from the folder `figures`, or is not what its sidecar
+    or the records say.
+    """
+    found = dict(_of_configuration(campaign.configuration))
+    found["budget/lacking"] = escape(lacking(campaign))
+    found["budget/samples"] = escape(describe_samples(campaign))
+    tables = {number: vouched_table(campaign, figures, number)[0] for number in TABLES}
+    for table in tables.values():
+        found |= dict(_printed(table))
+    for name, together in TOGETHER.items():
+        found[f"{name}/notes"] = _notes([tables[number] for number in together])
+    found |= dict(_of_costs(costs(campaign)))
+    found |= _of_claims(vouched_frame(figures / "claims.csv"))
+    return found
+
+
+def results_tex(campaign: Campaign, figures: Path) -> str:
+    """What the paper inputs: its numbers, and macros for what is no number."""
+    project = metadata()
+    configuration = campaign.configuration
+    texts = {
+        "figures": figures.as_posix(),
+        "projecttitle": escape(project.title),
+        "projectauthors": escape(", ".join(project.authors)),
+        "projectversion": escape(project.version),
+        "papertitle": escape(project.paper.title),
+        "contradictions": _items(
+            f"Table {table}: {text}"
+            for table, sentences in paper_numbers.CONTRADICTIONS.items()
+            for text in sentences
+        ),
+        **_in_words(campaign, figures),
+    }
+    each_task = "".join(f"#1{{{task}}}" for task in configuration.budget.tasks)
+    lines = [
+        "% Written by `python -m neol.study.report.paper_text`.",
+        _DEFINITIONS.strip(),
+        *(rf"\newcommand{{\{name}}}{{{text}}}" for name, text in texts.items()),
+        rf"\newcommand{{\foreachtask}}[1]{{{each_task}}}",
+        *(rf"\setresult{{{name}}}{{{text}}}" for name, text in numbers(campaign, figures).items()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
+    """The sentences that docs/results.md has too."""
+    configuration = campaign.configuration
+    effects = vouched_frame(figures / "beyond_effects.csv")
+    steps = open_claims.steps(vouched_frame(figures / "claims.csv"), configuration)
+    sensitivity = vouched_frame(figures / "beyond_sensitivity.csv")
+    return {
+        "toldapart": _items(words.told_apart(effects, FITNESS, "neat")),
+        "toldapartablation": _items(words.told_apart(effects, FITNESS, "neat_wo")),
+        "summary": escape(" ".join(words.summary(effects))),
+        "aftercorrection": escape(words.after_correction(effects)),
+        "selectionbias": _items(words.flattered(vouched_frame(figures / "beyond_selection.csv"))),
+        "opensteps": "".join(
+            rf"{escape(step.takes)} & {step.claims} & {escape(step.core_hours)} \\ "
+            for step in steps
+        ),
+        "toldbysensitivity": _items(words.told_by_sensitivity(sensitivity)),
+        "trials": escape(describe_trials(configuration)),
+        "onespecies": _items(words.one_species(campaign)),
+    }
+
+
+def _items(sentences: Iterable[str]) -> str:
+    return "".join(rf"\item {escape(sentence)} " for sentence in sentences)
+
+
+def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]:
+    budget = configuration.budget
+    reduced = "" if is_papers(configuration) else r"\emph{This is less than the paper's budget.}"
+    yield "budget/name", escape(describe_name(budget))
+    yield "budget/generations", escape(describe_generations(budget))
+    yield "budget/seeds", _number(budget.seeds)
+    yield "budget/largest_population", _number(max(budget.populations))
+    yield "budget/populations", ", ".join(map(_number, budget.populations))
+    yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))
+    yield "budget/reduced", reduced
+    yield "spec/episodes", _number(configuration.evaluation.episodes)
+    yield "spec/held_out_episodes", _number(configuration.evaluation.held_out_episodes)
+    yield "spec/reward_scale", _number(configuration.plasticity.reward_scale)
+    for name, task in configuration.tasks.items():
+        yield f"tasks/{name}/label", escape(task_label(name))
+        yield f"tasks/{name}/max_steps", _number(task.max_steps)
+
+
+def _printed(table: Table) -> Iterator[tuple[str, str]]:
+    """Each entry as the table prints it, and the paper's beneath it."""
+    rows = table.frame.groupby("task", sort=False)["method"]
+    for (task, methods), ours, papers in zip(
+        rows, table.lines[::2], table.lines[1::2], strict=True
+    ):
+        for method, here, paper in zip(methods, ours.entries, papers.entries, strict=True):
+            yield f"{table.name}/{task}/{method}/here", latex_entry(here)
+            yield f"{table.name}/{task}/{method}/paper", latex_entry(paper)
+
+
+def _notes(tables: Iterable[Table]) -> str:
+    """What stands beneath these tables, each note once; the text has the contradictions apart."""
+    whose: dict[str, list[str]] = {}
+    for table in tables:
+        for note in table.notes:
+            if note not in paper_numbers.CONTRADICTIONS.get(table.number, ()):
+                whose.setdefault(note, []).append(str(table.number))
+    return " ".join(
+        escape(f"Table{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {note}")
+        for note, numbers in whose.items()
+    )
+
+
+def _of_costs(spent: pd.DataFrame) -> Iterator[tuple[str, str]]:
+    for task, row in spent.iterrows():
+        for name, value in row.items():
+            yield f"cost/{task}/{name}", _number(float(value))
+
+
+def _of_claims(parts: pd.DataFrame) -> dict[str, str]:
+    verdicts = parts.groupby("claim", sort=False)["verdict"].first()
+    counts = {
+        verdict: int((verdicts == verdict).sum())
+        for verdict in ("supported", "contradicted", "undecided")
+    }
+    return {
+        **{f"claims/{claim}/verdict": str(verdict) for claim, verdict in verdicts.items()},
+        **{f"claims/count/{verdict}": str(count) for verdict, count in counts.items()},
+        "claims/count/all": str(len(verdicts)),
+    }
+
+
+def _number(value: float) -> str:
+    """Whole numbers in full, others with four significant digits, as LaTeX."""
+    if math.isnan(value):
+        return "--"
+    if math.isinf(value):
+        return r"$\infty$"
+    if value == int(value) and abs(value) < 1e15:
+        return f"{int(value):,}".replace(",", r"\,").replace("-", "$-$")
+    mantissa, _, exponent = f"{value:.4g}".partition("e")
+    if exponent:
+        return rf"${mantissa}\times 10^{{{int(exponent)}}}$"
+    return mantissa.replace("-", "$-$")
+
+
+def write_results_tex(campaign: Campaign, figures: Path, output: Path) -> None:
+    """Write the numbers of a budget."""
+    output.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(output, results_tex(campaign, figures).encode())
+
+
+if __name__ == "__main__":
+    command_line(
+        "neol.study.report.paper_text",
+        __doc__,
+        write_results_tex,
+        figures="the folder of the budget's tables",
+        output="what the paper inputs",
+    )

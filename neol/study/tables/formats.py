@@ -1,0 +1,68 @@
+"""How the paper's tables print a value, and mark one that is incomplete."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from string import ascii_lowercase
+
+from neol.pictures.labels import task_label, three_figures
+from neol.study.outcomes.statistics import ALPHA
+from neol.study.tables.summary import Summary
+from neol.study.tables.table import Entry, Line
+
+NOTHING = "--"
+
+
+def marks(reasons: Iterable[str]) -> dict[str, str]:
+    """A letter for each reason why a value is incomplete: (a) to (z), then (aa) and so on."""
+    distinct = dict.fromkeys(reason for reason in reasons if reason)
+    letters = len(ascii_lowercase)
+    return {
+        reason: f"({ascii_lowercase[i % letters] * (i // letters + 1)})"
+        for i, reason in enumerate(distinct)
+    }
+
+
+def marked(entry: Entry, mark: str | None) -> Entry:
+    """The entry with a mark behind it, if there is one."""
+    return Entry(f"{entry.text} {mark}", entry.emphasis) if mark else entry
+
+
+def two_lines(task: str, ours: Sequence[Entry], papers: Sequence[Entry]) -> list[Line]:
+    """A task's line, and the paper's beneath it."""
+    return [
+        Line(task_label(task), tuple(ours), is_paper=False),
+        Line("paper", tuple(papers), is_paper=True),
+    ]
+
+
+def fitness(summary: Summary) -> Entry:
+    """324.34 ± 3.86, as Table 1 prints it."""
+    return _mean_sd(summary, lambda value: f"{value:.2f}")
+
+
+def score(summary: Summary) -> Entry:
+    """0.451 ± 0.0122: three significant figures, as in Table 2."""
+    return _mean_sd(summary, three_figures)
+
+
+def _mean_sd(summary: Summary, number: Callable[[float], str]) -> Entry:
+    if math.isnan(summary.mean):
+        return Entry(NOTHING)
+    sd = NOTHING if math.isnan(summary.sd) else number(summary.sd)
+    return Entry(f"{number(summary.mean)} ± {sd}", summary.rank)
+
+
+def setting(summary: Summary) -> Entry:
+    """pop=300, lr=0.25, as Table 3 prints it."""
+    if summary.population is None:
+        return Entry(NOTHING)
+    rate = "" if summary.learning_rate is None else f", lr={summary.learning_rate:g}"
+    return Entry(f"pop={summary.population}{rate}")
+
+
+def p_value(p: float, decimals: int) -> Entry:
+    """1.20e-8, bold below 0.05."""
+    if math.isnan(p):
+        return Entry(NOTHING)
+    digits, exponent = f"{p:.{decimals}e}".split("e")
+    return Entry(f"{digits}e{int(exponent)}", "best" if p < ALPHA else "")

@@ -1,0 +1,123 @@
+"""A table of the paper as LaTeX, HTML and CSV, with what it was made from."""
+
+import html
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import pandas as pd
+
+from neol.base.files import write_atomically
+from neol.spec.configuration import Configuration
+from neol.study.outcomes.campaign_runs import Source
+from neol.study.output.latex import escape
+from neol.study.output.sidecar import command, write_sidecar
+
+Emphasis = Literal["best", "runner-up", ""]
+
+
+class Entry(NamedTuple):
+    """A printed value; "best" is bold, "runner-up" underlined."""
+
+    text: str
+    emphasis: Emphasis = ""
+
+
+class Line(NamedTuple):
+    """A line of a table: its label, and an entry for each column."""
+
+    label: str
+    entries: tuple[Entry, ...]
+    is_paper: bool
+    """The paper's own values, printed small beneath ours."""
+
+
+@dataclass(frozen=True, repr=False)
+class Table:
+    """A table of the paper, made from a campaign's records. A notebook shows it as HTML."""
+
+    number: int
+    """In the paper."""
+    caption: str
+    columns: tuple[str, ...]
+    lines: tuple[Line, ...]
+    notes: tuple[str, ...]
+    """What is incomplete, each beginning with its mark, and what the paper's numbers contradict."""
+    frame: pd.DataFrame
+    """A row for each task and method, at full precision; the paper's have `paper_` in front."""
+    configuration: Configuration
+    sources: tuple[Source, ...]
+    """The records behind it."""
+
+    @property
+    def name(self) -> str:
+        """The stem of its files: table1."""
+        return f"table{self.number}"
+
+    def write(self, folder: Path) -> None:
+        """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""
+        folder.mkdir(parents=True, exist_ok=True)
+        path, csv = folder / f"{self.name}.tex", folder / f"{self.name}.csv"
+        made_by = (
+            f"% Made by `{command(path, self.configuration)}` from what {self.name}.json lists."
+        )
+        write_atomically(path, f"{made_by}\n{self.latex()}\n".encode())
+        write_atomically(csv, self.csv())
+        write_sidecar([path, csv], self.configuration, self.sources)
+
+    def csv(self) -> bytes:
+        """`frame`, as its file holds it."""
+        return self.frame.to_csv(index=False).encode()
+
+    def latex(self) -> str:
+        """A table for \\input, numbered as in the paper; it needs the package booktabs."""
+        return "\n".join(
+            [
+                "\\begin{table}[tbp]",
+                f"  \\renewcommand{{\\thetable}}{{{self.number}}}",
+                "  \\centering",
+                f"  \\caption{{{escape(self.caption)}}}",
+                f"  \\label{{tab:{self.name}}}",
+                "  \\medskip",
+                f"  \\begin{{tabular}}{{l{'c' * len(self.columns)}}}",
+                "    \\toprule",
+                "    " + " & ".join(["Task", *map(escape, self.columns)]) + " \\\\",
+                "    \\midrule",
+                *(f"    {_latex_line(line)}" for line in self.lines),
+                "    \\bottomrule",
+                "  \\end{tabular}",
+                *(f"  \\par\\footnotesize {escape(note)}" for note in self.notes),
+                "\\end{table}",
+            ]
+        )
+
+    def _repr_html_(self) -> str:
+        head = "".join(
+            f'<th scope="col">{html.escape(text)}</th>' for text in ("Task", *self.columns)
+        )
+        caption = f"<caption>{html.escape(self.caption)}</caption>"
+        body = "".join(map(_html_line, self.lines))
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
+        return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{notes}"
+
+
+def _html_line(line: Line) -> str:
+    tags = {"best": "<b>%s</b>", "runner-up": "<u>%s</u>", "": "%s"}
+    cells = "".join(
+        f"<td>{tags[emphasis] % html.escape(text)}</td>" for text, emphasis in line.entries
+    )
+    row = '<tr class="paper">' if line.is_paper else "<tr>"
+    return f'{row}<th scope="row">{html.escape(line.label)}</th>{cells}</tr>'
+
+
+def latex_entry(entry: Entry) -> str:
+    """A value with its emphasis."""
+    commands = {"best": "\\textbf{%s}", "runner-up": "\\underline{%s}", "": "%s"}
+    return commands[entry.emphasis] % escape(entry.text)
+
+
+def _latex_line(line: Line) -> str:
+    label = f"\\quad {line.label}" if line.is_paper else escape(line.label)
+    cells = [label, *map(latex_entry, line.entries)]
+    size, gap = ("\\footnotesize ", " \\addlinespace") if line.is_paper else ("", "")
+    return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\" + gap

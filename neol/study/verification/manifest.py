@@ -1,0 +1,275 @@
+"""The manifest: which records a budget's folder holds, so that none changes or goes unnoticed."""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator
+from functools import cache, partial
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Field, ValidationError
+from pydantic_core import PydanticCustomError
+
+from neol.base.errors import UserError, one_line
+from neol.base.files import files_below, read_bounded, write_atomically
+from neol.run.record import Record
+from neol.run.record_file import MAX_BYTES as MAX_RECORD_BYTES
+from neol.run.record_file import first_difference, parse_record, records_below
+from neol.spec.configuration import budgets, load_configuration
+from neol.spec.types import Model
+from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
+from neol.study.campaign.shown import chosen_tasks, select
+
+NAME = "manifest.json"
+MAX_BYTES = 2**26
+
+
+def _below(path: str) -> str:
+    parts = PurePosixPath(path).parts
+    if not parts or parts[0] == "/" or ".." in parts:
+        raise PydanticCustomError("below", "must be a path below the manifest's folder")
+    return path
+
+
+Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class Entry(Model):
+    """What the manifest says of one record."""
+
+    path: Annotated[str, AfterValidator(_below)]
+    """From the manifest's folder on, with slashes."""
+    sha256: Sha256
+    """Of the file."""
+    spec_digest: Sha256
+    """Of the specification without the seed."""
+    seeds: tuple[int, ...]
+    commits: tuple[str, ...]
+    """Those that made its runs, sorted; with -dirty where code or constants differed."""
+
+    @classmethod
+    def of(cls, path: str, content: bytes, record: Record) -> Self:
+        """The entry of a record, read from this content."""
+        return cls(
+            path=path,
+            sha256=hashlib.sha256(content).hexdigest(),
+            spec_digest=record.spec.digest(),
+            seeds=tuple(info.seed for info in record.seeds),
+            commits=tuple(sorted({info.provenance.code() for info in record.seeds})),
+        )
+
+
+class Manifest(Model):
+    """The records below a folder."""
+
+    version: Literal[1] = 1
+    budget: str | None
+    """That all of them belong to."""
+    tasks: tuple[str, ...] = ()
+    """Those of the budget's that it speaks for; none where it speaks for all."""
+    records: tuple[Entry, ...]
+    """By path."""
+
+    def covers(self, job: Job) -> bool:
+        """Whether it speaks for the record of this job."""
+        return not self.tasks or job.spec.task.name in self.tasks
+
+
+def records_of(budget: str | None) -> dict[str, Job]:
+    """The records of a budget, by path below its folder; none for one that is not known."""
+    if budget is None or budget not in budgets():
+        return {}
+    home = RESULTS / budget
+    every = jobs(load_configuration(budget))
+    return {job.record.relative_to(home).as_posix(): job for job in every}
+
+
+def write_manifest(folder: Path, tasks: str = "") -> Manifest:
+    """Write the manifest of the records below a folder, atomically; same records, same bytes.
+
+    It speaks for all tasks of the budget, or for these: "cartpole,hopper".
+    Raises UserError for a record that is not whole, of another budget than the first, or none
+    that these tasks have there; and for a task that the budget does not have.
+    """
+    budget, entries = _entries(folder)
+    jobs_of_budget = records_of(budget)
+    chosen: tuple[str, ...] = ()
+    if budget and jobs_of_budget:
+        chosen = chosen_tasks(select(budget, tasks).budget)
+    elif tasks:
+        raise UserError(f"{folder}: its records are of no budget that config/ has, so of no tasks")
+    manifest = Manifest(budget=budget, tasks=chosen, records=entries)
+    for entry in entries if jobs_of_budget else ():
+        job = jobs_of_budget.get(entry.path)
+        if job is None:
+            raise UserError(
+                f"{folder / entry.path}: budget {budget} has no record of this name; "
+                f"a manifest is for a budget's own folder, like {RESULTS}/{budget}"
+            )
+        if not manifest.covers(job):
+            raise UserError(
+                f"{folder / entry.path}: is of task {job.spec.task.name}, not of {tasks}; "
+                "name all tasks whose records are here"
+            )
+    write_atomically(folder / NAME, _text(manifest).encode())
+    return manifest
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """The manifest of a folder. Raises UserError where there is none or it is damaged."""
+    path = folder / NAME
+    way_out = f"restore it, or write it anew by neol manifest {folder}"
+    try:
+        manifest = Manifest.model_validate_json(read_bounded(path, MAX_BYTES))
+    except ValidationError as error:
+        raise UserError(f"{path}: damaged: {one_line(error, Manifest)}; {way_out}") from None
+    paths = [entry.path for entry in manifest.records]
+    if paths != sorted(set(paths)):
+        raise UserError(f"{path}: damaged: not sorted, or a record twice; {way_out}")
+    return manifest
+
+
+def _entries(folder: Path) -> tuple[str | None, tuple[Entry, ...]]:
+    """The budget of the records below a folder, and their entries. Raises UserError for several."""
+    entries: list[Entry] = []
+    firsts: dict[str | None, Path] = {}
+    for path in records_below(folder):
+        content = read_bounded(path, MAX_RECORD_BYTES)
+        record = parse_record(path, content)
+        entries.append(Entry.of(path.relative_to(folder).as_posix(), content, record))
+        firsts.setdefault(record.budget, path)
+    if not entries:
+        raise UserError(f"{folder}: holds no records")
+    if len(firsts) > 1:
+        (one, first), (other, second) = list(firsts.items())[:2]
+        raise UserError(
+            f"{second}: is of budget {other}, {first} of {one}; give each budget its own folder"
+        )
+    (budget,) = firsts
+    return budget, tuple(entries)
+
+
+def _text(manifest: Manifest) -> str:
+    """As JSON, a line a record."""
+    about = manifest.model_dump(mode="json", include={"version", "budget"})
+    about |= {"tasks": list(manifest.tasks)} if manifest.tasks else {}
+    head = json.dumps(about)[:-1]
+    entries = ",\n".join(json.dumps(entry.model_dump(mode="json")) for entry in manifest.records)
+    return f'{head}, "records": [\n{entries}\n]}}\n'
+
+
+def absolute(path: Path) -> Path:
+    """From the root on, so that a result does not depend on the folder one stands in."""
+    return Path(os.path.abspath(path))  # noqa: PTH100  (without following links, as resolve does)
+
+
+class Budgets:
+    """What the budgets of `config/` have, each listed once."""
+
+    def __init__(self) -> None:
+        self._jobs = cache(records_of)
+
+    def jobs(self, budget: str | None) -> dict[str, Job]:
+        """The records of a budget, by path below its folder; none for one that is not known."""
+        return self._jobs(budget)
+
+    def cells(self, budget: str | None) -> list[str]:
+        """Those of its cells, its sensitivity study left out."""
+        return [name for name, job in self.jobs(budget).items() if job.part != SENSITIVITY]
+
+
+class ManifestFolder:
+    """A folder with a manifest, and what should lie in it."""
+
+    def __init__(self, folder: Path, budgets: Budgets) -> None:
+        self.folder = folder
+        self.damage: str | None = None
+        """What is wrong with the manifest itself; nothing else is then known."""
+        self._manifest = Manifest(budget=None, records=())
+        self._budgets = budgets
+        path = folder / NAME
+        try:
+            self._manifest = read_manifest(folder)
+        except UserError as error:
+            self.damage = str(error).removeprefix(f"{path}: ")
+        self.budget = self._manifest.budget
+        self._entries = {entry.path: entry for entry in self._manifest.records}
+
+    def problems(self, path: Path, content: bytes, record: Record) -> Iterator[str]:
+        """What is wrong with the place here of a record, read from this content."""
+        if self.damage:
+            return
+        now = Entry.of(path.relative_to(self.folder).as_posix(), content, record)
+        entry = self._entries.get(now.path)
+        if entry is None:
+            twin = [other.path for other in self._entries.values() if other.sha256 == now.sha256]
+            moved = f" but as {twin[0]}: moved or copied" if twin else ""
+            yield f"not in {NAME}{moved}"
+        elif entry.sha256 != now.sha256:
+            yield f"its SHA-256 is not that in {NAME}: changed or exchanged since"
+        else:
+            for name, stored in entry:
+                if stored != getattr(now, name):
+                    yield f"{name} in {NAME} is another: the manifest was edited"
+        yield from self._misplaced(record, now)
+
+    def missing(self, there: Iterable[Path]) -> Iterator[tuple[Path, str]]:
+        """Records that are not there, and how that is known."""
+        there = set(there)
+        for name in self._entries:
+            if self.folder / name not in there:
+                meaning = f"missing, {NAME} names it; restore it or run anew"
+                yield self.folder / name, meaning
+        for name in self._all_or_nothing():
+            if name not in self._entries and self.folder / name not in there:
+                meaning = f"missing, and {NAME} leaves it out, but budget "
+                meaning += f"{self.budget} has it: dropped, or not yet run by then"
+                yield self.folder / name, meaning
+
+    def _all_or_nothing(self) -> Iterator[str]:
+        """The records that must be there: a sensitivity study may be left out as a whole."""
+        jobs, cells = self._budgets.jobs(self.budget), self._budgets.cells(self.budget)
+        must = jobs if self._entries.keys() & (jobs.keys() - cells) else cells
+        return (name for name in must if self._manifest.covers(jobs[name]))
+
+    def _misplaced(self, record: Record, entry: Entry) -> Iterator[str]:
+        """Whether it is the record that its budget has in this place."""
+        jobs = self._budgets.jobs(self.budget)
+        if record.budget != self.budget:
+            yield f"of budget {record.budget}, its folder's is {self.budget}"
+        elif jobs:
+            job = jobs.get(entry.path)
+            if job is None:
+                yield f"budget {self.budget} has no record of this name"
+                return
+            if not self._manifest.covers(job):
+                tasks = ", ".join(self._manifest.tasks)
+                yield f"of task {job.spec.task.name}, {NAME} speaks for {tasks} alone"
+            if difference := first_difference(record.spec.without_seed(), job.spec):
+                yield f"not what budget {self.budget} has here: {difference}"
+            if entry.seeds != tuple(job.seeds):
+                there = f"{job.seeds[0]} to {job.seeds[-1]}"
+                yield f"holds seeds {list(entry.seeds)}, here belong {there}"
+
+
+class ManifestFolders:
+    """The folders with a manifest at, above and below absolute paths, each read once."""
+
+    def __init__(self, budgets: Budgets) -> None:
+        self._folder = cache(partial(ManifestFolder, budgets=budgets))
+
+    def above(self, path: Path) -> ManifestFolder | None:
+        """The nearest above a path."""
+        for folder in path.parents:
+            if (folder / NAME).exists():
+                return self._folder(folder)
+        return None
+
+    def around(self, path: Path) -> list[ManifestFolder]:
+        """Those at and below a path and the nearest above it."""
+        above = self.above(path)
+        manifests = files_below(path, NAME) if path.is_dir() else ()
+        below = [self._folder(each.parent) for each in manifests]
+        return below + ([above] if above else [])

@@ -1,0 +1,194 @@
+"""The command line: what it prints and what it refuses; test_ending: how it ends."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from neol.base.errors import UserError
+from neol.cli.run import parse_seeds
+from neol.run.record_file import read_record
+from neol.spec.configuration import load_configuration
+from tests.helpers import troubled as troubled
+from tests.helpers.command import TINY, neol, refused, specification
+from tests.helpers.runs import evolve, names
+
+pytestmark = pytest.mark.usefixtures("own_folder")
+
+# --- Running ------------------------------------------------------------------------------------
+
+
+def test_run_writes_the_record_and_sums_it_up(tmp_path: Path) -> None:
+    outcome = neol(f"run {TINY} --seed 3 --output a.parquet")
+    assert outcome.exit_code == 0
+    record = read_record(tmp_path / "a.parquet")
+    assert record.budget is None
+    (info,) = record.seeds
+    assert info.digest == evolve(record.spec).digest
+    first, second = outcome.stdout.splitlines()
+    assert first == "a.parquet: written"
+    assert second == (
+        f"seed 3: best {info.champion.fitness:.1f}, champion in 3 held-out episodes "
+        f"{info.held_out.mean:.1f} ± {info.held_out.sd:.1f}, digest {info.digest}"
+    )
+    assert names(tmp_path) == ["a.parquet"]
+
+
+def test_digest_prints_a_line_per_seed(tmp_path: Path) -> None:
+    neol(f"run {TINY} --seed 0,2 --output a.parquet")
+    record = read_record(tmp_path / "a.parquet")
+    lines = [f"{info.seed} {info.digest}" for info in record.seeds]
+    assert neol("digest a.parquet").stdout.splitlines() == lines
+    assert [line[:2] for line in lines] == ["0 ", "2 "]
+
+
+def test_quiet_says_nothing() -> None:
+    outcome = neol(f"run {TINY} --quiet --output a.parquet")
+    assert (outcome.exit_code, outcome.output) == (0, "")
+
+
+def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    spec, settings = specification(
+        "run --task hopper --method bcm --population 50 --learning-rate 0.0025 --generations 20 "
+        "--seed 4-6 --output b.parquet --episodes 2 --max-steps 77 --reward-scale 0.5 "
+        "--weight-mutation 0.3 --no-write-back --workers 2 --checkpoint-every 5 --resume "
+        "--keep-partial --engine reference --budget smoke --set neat.elitism=1 "
+        "--set network.sum_limit=9",
+        monkeypatch,
+    )
+    assert (spec.task.name, spec.task.max_steps, spec.method) == ("hopper", 77, "bcm")
+    assert (spec.population, spec.generations) == (50, 20)
+    assert (spec.plasticity.rule, spec.plasticity.learning_rate) == ("bcm", 0.0025)
+    assert (spec.plasticity.reward_scale, spec.plasticity.write_back) == (0.5, False)
+    assert (spec.neat.weight_mutation, spec.neat.elitism) == (0.3, 1)
+    assert (spec.evaluation.episodes, spec.evaluation.held_out_episodes) == (2, 5)
+    assert spec.network.sum_limit == 9
+    del settings["on_generation"]
+    assert settings == {
+        "seeds": [4, 5, 6],
+        "output": Path("b.parquet"),
+        "engine": "reference",
+        "workers": 2,
+        "checkpoint_every": 5,
+        "resume": True,
+        "keep_partial": True,
+        "budget": "smoke",
+    }
+
+
+def test_without_options_the_configuration_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    arguments = (
+        "run --task hopper --method neat --population 50 --generations 20 --output b.parquet"
+    )
+    spec, _ = specification(arguments, monkeypatch)
+    cell = {"task": "hopper", "method": "neat", "population": 50, "learning_rate": None}
+    assert spec == load_configuration("paper").run_spec(**cell, generations=20, seed=0)
+
+
+def test_config_is_a_configuration_that_reads_back() -> None:
+    printed = neol("config --budget desk --set neat.elitism=3").stdout
+    content = yaml.safe_load(printed)
+    assert content["neat"]["elitism"] == 3
+    assert content["budget"]["generations"] == load_configuration("desk").budget.generations
+    assert content["methods"]["oja"]["weight_mutation"] == "off"
+    schema = json.loads(neol("config --schema").stdout)
+    assert set(content) <= set(schema["properties"])
+
+
+@pytest.mark.parametrize(
+    ("text", "seeds"),
+    [("3", [3]), ("0-4", [0, 1, 2, 3, 4]), ("7,0,3", [0, 3, 7]), ("0-1,5", [0, 1, 5])],
+)
+def test_seeds(text: str, seeds: list[int]) -> None:
+    assert parse_seeds(text) == seeds
+
+
+@pytest.mark.parametrize("text", ["", "a", "-1", "1-", "3,,4", "2-1", "1,1", "0-999999999", "1.5"])
+def test_wrong_seeds(text: str) -> None:
+    with pytest.raises(UserError, match=re.escape(f"--seed {text}: ")):
+        parse_seeds(text)
+
+
+# --- Wrong input --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ("--task cartpol", 'unknown task "cartpol", did you mean "cartpole"?'),
+        ("--method ojja --weight-mutation off", 'unknown method "ojja", did you mean "oja"?'),
+        ("--budget dsk", 'unknown budget "dsk", did you mean "desk"?'),
+        ("--population 0", "population = 0: must be"),
+        ("--population 1", "population = 1: must be"),
+        ("--learning-rate -0.1", "learning_rate = -0.1: must be"),
+        ("--learning-rate nan", "learning_rate = nan: must be"),
+        ("--generations 0", "generations = 0: must be"),
+        ("--method neat", "neat does not learn online, leave it out"),
+        ("--seed x", "--seed x: give integers"),
+        ("--episodes 0", "neol: --episodes = 0: must be"),
+        ("--max-steps 0", "neol: --max-steps = 0: must be"),
+        (
+            "--weight-mutation 2",
+            "neol: --weight-mutation = 2: must be 'off', 'config' or a probability",
+        ),
+        ("--weight-mutation [", "neol: --weight-mutation [, line 1: "),
+        ("--set neat.elitism=x", "neol: --set: neat.elitism = 'x': must be"),
+        ("--set neat.elitsm=1", 'did you mean "elitism"?'),
+        ("--set neat.elitism", "write it as key=value"),
+        ("--population many", "Invalid value for '--population'"),
+        ("--engine quick", "Invalid value for '--engine'"),
+        ("--workers 0", "Invalid value for '--workers'"),
+        ("--loud", "No such option: --loud"),
+        ("--task gym:Nope-v0", "Environment `Nope` doesn't exist"),
+        ("--task gym:Image-v0", "Image-v0 observes Box(0, 255, (8, 8, 3), uint8); a network needs"),
+        ("--output file/a.parquet", "file/a.parquet.partial: cannot be made (Not a directory)"),
+        ("--output .", ".: records are Parquet files; end its name in .parquet"),
+        ("--output folder.parquet", "folder.parquet: is a folder; name a file in it"),
+        ("--output a.csv", "a.csv: records are Parquet files; end its name in .parquet"),
+    ],
+)
+def test_wrong_input_of_run(change: str, line: str, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "folder.parquet").mkdir()
+    assert line in refused(f"run {TINY} --output a.parquet {change}")
+    assert names(tmp_path) == ["file", "folder.parquet"]
+
+
+def test_wrong_commands() -> None:
+    assert "No such command 'rum'. Did you mean 'run'? (root --help says more)" in refused("rum")
+    assert "Missing option '--task' (root run --help says more)" in refused("run")
+    assert "Missing argument 'RECORD' (root digest --help says more)" in refused("digest")
+    assert 'unknown budget "x"' in refused("config --budget x")
+
+
+def test_records_that_are_none(tmp_path: Path) -> None:
+    assert "none.parquet: cannot be read (No such file" in refused("digest none.parquet")
+    (tmp_path / "a.parquet").write_bytes(b"hello")
+    said = refused("digest a.parquet")
+    assert "a.parquet: damaged or no record of neol's" in said
+    assert ".;" not in said
+
+
+def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:
+    command = f"run {TINY} --output a.parquet"
+    neol(command)
+    before = (tmp_path / "a.parquet").read_bytes()
+    assert "a.parquet: exists already; remove it or choose" in refused(command)
+    again = neol(f"{command} --resume")
+    assert again.exit_code == 0
+    assert again.stdout.startswith("a.parquet: complete already, nothing to do\nseed 0: best")
+    assert "of another specification" in refused(f"{command} --resume --population 7")
+    assert (tmp_path / "a.parquet").read_bytes() == before
+
+
+def test_an_environment_that_returns_nan_does_not_stop_a_run(tmp_path: Path) -> None:
+    assert neol(f"run {TINY} --task gym:NaNReward-v0 --output a.parquet").exit_code == 0
+    assert read_record(tmp_path / "a.parquet").table["failed_evaluations"][-1].as_py() > 0
+
+
+def test_bench_takes_the_options_of_the_benchmarks() -> None:
+    assert "Examples:\n  neol bench\n" in neol("bench --help").stdout
+    assert 'unknown task "hoper", did you mean "hopper"?' in refused("bench --tasks hopper,hoper")
+    assert "(neol bench --help says more)" in refused("bench --rounds many")

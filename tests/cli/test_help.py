@@ -1,0 +1,151 @@
+"""What the help says: it is complete, in order, and its examples work. And shell completion."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from neol.cli import app
+from neol.cli.application import COMMANDS, EXIT_CODES
+from neol.cli.run import METHODS
+from neol.spec.configuration import ROOT, budgets
+from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.tables.paper_tables import table1
+from tests.helpers.made_up import configuration, write_campaign
+
+GROUP: Any = typer.main.get_command(app)
+NAMES = GROUP.list_commands(None)
+SHARED = {
+    "--budget": "Take constants from this budget",
+    "--output": "",
+    "--quiet": "Say nothing but errors.",
+    "--seed": "",
+    "--set": "Any other constant; may be repeated.",
+    "--workers": "Any number gives the same bits.",
+}
+"""Options that more than one command may have, and how their help begins."""
+
+
+def page(command: str = "") -> str:
+    """A command's help, or that of all."""
+    outcome = CliRunner().invoke(app, [*command.split(), "--help"], env={"COLUMNS": "80"})
+    assert outcome.exit_code == 0
+    return outcome.stdout
+
+
+def examples(command: str) -> list[str]:
+    """The commands that a command's help gives as examples."""
+    return re.findall(r"^ +neol (.*)$", page(command).replace("\\\n", " "), re.MULTILINE)
+
+
+def test_the_help_lists_every_command_once() -> None:
+    assert sorted(NAMES) == sorted(GROUP.commands)
+    listed = re.findall(r"^  (\w+)  ", page().partition("Running:")[2], re.MULTILINE)
+    assert listed == NAMES
+    titles = [text for text in re.findall(r"^(\w+):$", page(), re.MULTILINE) if text != "Options"]
+    assert titles == list(COMMANDS)
+
+
+def test_the_help_cuts_no_summary() -> None:
+    assert "..." not in page().partition("Running:")[2]
+
+
+def test_the_help_names_the_exit_codes() -> None:
+    text = " ".join(page().split())
+    for code, meaning in EXIT_CODES.items():
+        assert f"{code} {meaning}" in text
+
+
+def test_help_and_version() -> None:
+    runner = CliRunner()
+    assert runner.invoke(app, "", env={"COLUMNS": "80"}).stdout == page()
+    version = runner.invoke(app, "--version").stdout
+    assert re.fullmatch(r"neol (\d+\.\d+\.\d+|\(not installed\))\n", version)
+
+
+@pytest.mark.parametrize("command", ["", *(name for name in NAMES if name != "bench")])
+def test_help_needs_nothing_heavy(command: str) -> None:
+    script = (
+        "import sys; from neol.cli import app\n"
+        f"try: app([*{command.split()}, '--help'])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'numpy', 'numba', 'gymnasium', 'mujoco', 'pyarrow', 'pandas', 'matplotlib'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, cwd=ROOT)
+
+
+@pytest.mark.parametrize("command", [name for name in NAMES if name != "bench"])
+def test_options_of_one_name_mean_the_same(command: str) -> None:
+    described = re.findall(r"^  (--[\w-]+)(?:.*?)  +(\w.*)$", page(command), re.MULTILINE)
+    for option, text in described:
+        if option in SHARED:
+            assert text.startswith(SHARED[option][: len(text)]), option
+
+
+@pytest.mark.slow
+def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One after the other, in a folder that has the shipped records and one table.
+
+    But for those of `bench`, which measures for minutes.
+    """
+    made_up = configuration()
+    write_campaign(tmp_path / "made_up", made_up, {})
+    table1(Campaign(made_up, tmp_path / "made_up")).write(tmp_path / "figures")
+    for budget in ("demo", "paper"):
+        shutil.copytree(ROOT / "results" / budget, tmp_path / "results" / budget)
+    monkeypatch.chdir(tmp_path)
+    for command in NAMES:
+        assert examples(command), command
+        for example in examples(command) if command != "bench" else ():
+            outcome = CliRunner().invoke(app, shlex.split(example))
+            assert outcome.exit_code == 0, (example, outcome.output, outcome.exception)
+
+
+# --- Completion ---------------------------------------------------------------------------------
+
+
+def completions(line: str) -> list[str]:
+    """What bash offers for the last word of a line."""
+    words = line.split(" ")
+    done = subprocess.run(
+        [sys.executable, "-c", "from neol.cli import app; app(prog_name='neol')"],
+        env=os.environ
+        | {
+            "_NEOL_COMPLETE": "complete_bash",
+            "COMP_WORDS": line,
+            "COMP_CWORD": str(len(words) - 1),
+            "PYTHONPATH": str(ROOT),
+        },
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.split()
+
+
+def test_bash_completes_commands_options_and_values() -> None:
+    assert completions("neol ma") == ["manifest"]
+    assert completions("neol run --meth") == ["--method"]
+    assert completions("neol run --method ") == list(METHODS)
+    assert completions("neol config --budget ") == budgets()
+
+
+def test_a_completion_script_is_shown() -> None:
+    disabled = {"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}  # the shell may be any
+    done = subprocess.run(
+        [sys.executable, "-m", "neol", "--show-completion", "bash"],
+        env=os.environ | disabled | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "complete -o default -F _neol_completion neol" in done.stdout

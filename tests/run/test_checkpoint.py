@@ -1,0 +1,189 @@
+"""Checkpoints: exact, whole or refused."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from neol.base.errors import UserError
+from neol.rollout.reference import ReferenceEngine
+from neol.run import checkpoint
+from neol.run.checkpoint import Arrays, Cost
+from neol.run.evolution import Evolution
+from neol.spec.run_spec import RunSpec
+from tests.helpers.damage import flipped, forge_checkpoint
+from tests.helpers.refusal import survive
+from tests.helpers.runs import evolve, run_spec, started
+
+COST = Cost(1.5, 0.75)
+
+
+def finish(evolution: Evolution) -> Evolution:
+    engine = ReferenceEngine(evolution.spec.task)
+    list(evolution.run(engine))
+    engine.close()
+    return evolution
+
+
+def state(evolution: Evolution) -> object:
+    """Everything that decides how the run goes on, comparable."""
+    genomes = [
+        (g.id, g.fitness, g.nodes.tolist(), g.connections.tolist()) for g in evolution.population
+    ]
+    species = [
+        (
+            s.id,
+            s.representative.id,
+            s.representative.nodes.tolist(),
+            s.representative.connections.tolist(),
+            s.best_fitness,
+            s.stagnant,
+            s.members.tolist(),
+        )
+        for s in evolution.species_set.species
+    ]
+    innovations = evolution.reproduction.innovations
+    counters = (
+        evolution.species_set.next_id,
+        evolution.reproduction.next_genome,
+        innovations.next_innovation,
+        innovations.next_node,
+    )
+    return genomes, species, counters, list(evolution.history), evolution.digest
+
+
+@pytest.mark.parametrize("method", ["neat", "bcm"])
+def test_resumed_after_any_generation_equals_uninterrupted(method: str, tmp_path: Path) -> None:
+    spec = run_spec(
+        method, 0, "neat.compatibility_threshold=0.6", "neat.remove_node_rate=0.1", generations=6
+    )
+    whole = evolve(spec)
+    assert len(whole.species_set.species) > 1
+    path = tmp_path / "run.npz"
+    for generation in range(1, spec.generations + 1):
+        before = started(spec, generation)
+        checkpoint.save(path, before, COST)
+        after, cost = checkpoint.load(path, spec)
+        assert state(after) == state(before)
+        assert after.population[0].connections.dtype == before.population[0].connections.dtype
+        assert cost == COST
+        assert state(finish(after)) == state(whole)
+
+
+def test_a_checkpoint_says_how_far_its_run_is(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    assert checkpoint.generations(path) == 0
+    checkpoint.save(path, started(run_spec(), 2), COST)
+    assert checkpoint.generations(path) == 2
+    path.write_bytes(path.read_bytes()[:-9])
+    assert checkpoint.generations(path) == 0
+
+
+def test_snapshot_stays_while_the_run_goes_on() -> None:
+    evolution = started(run_spec("neat"), 2)
+    copy, before = checkpoint.snapshot(evolution), state(evolution)
+    finish(evolution)
+    assert state(copy) == before
+    assert state(finish(copy)) == state(evolution)
+
+
+def test_a_longer_run_goes_on_from_a_shorter_ones_checkpoint(tmp_path: Path) -> None:
+    path, long = tmp_path / "run.npz", run_spec(generations=6)
+    checkpoint.save(path, evolve(run_spec(generations=3)), COST)
+    assert state(finish(checkpoint.load(path, long)[0])) == state(evolve(long))
+    with pytest.raises(UserError, match=r"run\.npz: is at generation 3, 2 were asked for; remove"):
+        checkpoint.load(path, run_spec(generations=2))
+
+
+@pytest.mark.parametrize("other", [run_spec(seed=1), run_spec("hebb"), run_spec(population=9)])
+def test_another_runs_checkpoint_is_refused(other: RunSpec, tmp_path: Path) -> None:
+    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    with pytest.raises(UserError, match=r"run\.npz: a checkpoint of another run.*remove it"):
+        checkpoint.load(tmp_path / "run.npz", other)
+
+
+def test_what_is_no_checkpoint_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    with pytest.raises(UserError, match=r"run\.npz: cannot be read \(No such file"):
+        checkpoint.load(path, run_spec())
+    for content in (b"", b"hello", b"PK\x03\x04" + b"x" * 100):
+        path.write_bytes(content)
+        with pytest.raises(UserError, match="damaged or no checkpoint"):
+            checkpoint.load(path, run_spec())
+    np.savez(path, weights=np.zeros(3))
+    with pytest.raises(UserError, match="damaged or no checkpoint"):
+        checkpoint.load(path, run_spec())
+    np.savez(path, seal=np.array([{"a": 1}], dtype=object))
+    with pytest.raises(UserError, match="damaged or no checkpoint"):
+        checkpoint.load(path, run_spec())
+
+
+@pytest.fixture(scope="module")
+def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("checkpoint") / "run.npz"
+    checkpoint.save(path, started(run_spec(), 2), COST)
+    return path.read_bytes()
+
+
+def test_truncated_anywhere_is_refused(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    for length in [*range(0, len(content), 397), len(content) - 1]:
+        path.write_bytes(content[:length])
+        with pytest.raises(UserError, match=r"run\.npz"):
+            checkpoint.load(path, run_spec())
+
+
+@settings(max_examples=100, deadline=None)
+@given(data=st.data())
+def test_damaged_anywhere_is_refused_or_the_same(
+    data: st.DataObject, content: bytes, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "damaged.npz"
+    path.write_bytes(data.draw(flipped(content)))
+    loaded = survive(lambda: checkpoint.load(path, run_spec()), says="damaged.npz")
+    if loaded is not None:  # a byte may mean nothing, such as one of a time in the zip's headers
+        assert state(loaded[0]) == state(started(run_spec(), 2))
+        assert loaded[1] == COST
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("connection_source", 99), ("node_bias", np.nan), ("members", 0)]
+)
+def test_an_impossible_state_is_refused_though_sealed(
+    name: str, value: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pack = checkpoint._pack
+
+    def planted(evolution: Evolution, cost: Cost) -> checkpoint.Arrays:
+        arrays = pack(evolution, cost)
+        arrays[name] = arrays[name].copy()
+        arrays[name][-1] = value
+        return arrays
+
+    monkeypatch.setattr(checkpoint, "_pack", planted)
+    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    with pytest.raises(UserError, match=r"run\.npz: damaged: .*; remove it"):
+        checkpoint.load(tmp_path / "run.npz", run_spec())
+
+
+@pytest.mark.parametrize("value", ["8", 8.0, -1, 2**63, None])
+def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: Path) -> None:
+    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+
+    def change(arrays: Arrays) -> None:
+        meta = json.loads(arrays["meta"].tobytes()) | {"next_genome": value}
+        arrays["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
+
+    forge_checkpoint(tmp_path / "run.npz", change)
+    with pytest.raises(UserError, match=r"run\.npz: damaged: its next_genome is"):
+        checkpoint.load(tmp_path / "run.npz", run_spec())
+
+
+def test_all_of_an_evolution_is_saved() -> None:
+    """A field that is added to the state must be added to the checkpoint."""
+    names = {field.name for field in dataclasses.fields(Evolution)}
+    assert names == {"spec", "reproduction", "population", "species_set", "history", "digest"}

@@ -1,0 +1,138 @@
+"""The generation loop: determinism, the champion, statistics, and that NEAT solves XOR."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from neol.network.forward import Networks
+from neol.rollout.engine import Rollouts
+from neol.rollout.reference import ReferenceEngine
+from neol.run.evolution import Evolution, finite_fitness
+from neol.spec.constants import Plasticity
+from tests.helpers.networks import outputs_of
+from tests.helpers.runs import evolve, run_spec
+
+
+@pytest.mark.parametrize("method", ["neat", "neat_wo", "hebb", "oja", "bcm"])
+def test_same_spec_same_trajectory(method: str) -> None:
+    one, other = evolve(run_spec(method)), evolve(run_spec(method))
+    assert one.digest == other.digest
+    assert one.history == other.history
+    assert evolve(run_spec(method, seed=1)).digest != one.digest
+
+
+def test_a_shorter_run_is_a_prefix_of_a_longer_one() -> None:
+    short, long = evolve(run_spec()), evolve(run_spec(generations=7))
+    assert long.history[:4] == short.history
+
+
+def test_methods_meet_the_same_episodes_and_first_population() -> None:
+    neat, neat_wo = evolve(run_spec("neat")), evolve(run_spec("neat_wo"))
+    assert neat.history[0] == neat_wo.history[0]
+    assert neat.history[1:] != neat_wo.history[1:]
+
+
+def test_statistics_add_up() -> None:
+    evolution = evolve(run_spec("hebb", 0, "evaluation.episodes=2"))
+    last = evolution.history[-1]
+    fitness = np.array([genome.fitness for genome in evolution.population])
+    assert [row.generation for row in evolution.history] == [1, 2, 3, 4]
+    assert last.best_fitness == fitness.max()
+    assert last.mean_fitness == fitness.mean()
+    assert last.sd_fitness == fitness.std()
+    assert last.evaluations == 4 * 8
+    steps = np.diff([0] + [row.env_steps for row in evolution.history])
+    # CartPole pays 1 a step, so steps are N * P * mean fitness
+    assert steps.tolist() == [round(2 * 8 * row.mean_fitness) for row in evolution.history]
+    assert last.species == len(evolution.species_set.species)
+    assert last.weight_change_mean > 0.0
+
+
+def test_the_champion_is_a_copy_of_the_final_best() -> None:
+    evolution = evolve(run_spec())
+    champion = evolution.champion()
+    best = next(g for g in evolution.population if g.id == champion.id)
+    assert champion.fitness == evolution.history[-1].best_fitness == best.fitness
+    best.connections["weight"] = 99.0
+    assert (champion.connections["weight"] != 99.0).all()
+
+
+def test_held_out_episodes_are_reproducible_and_change_nothing() -> None:
+    evolution = evolve(run_spec())
+    engine, digest = ReferenceEngine(evolution.spec.task), evolution.digest
+    weights = evolution.champion().connections["weight"].copy()
+    first = evolution.held_out_returns(engine)
+    assert first.shape == (3,)
+    assert (first == evolution.held_out_returns(engine)).all()
+    assert (evolution.champion().connections["weight"] == weights).all()
+    assert evolution.digest == digest
+
+
+def test_write_back_decides_whether_learned_weights_are_inherited() -> None:
+    def final_weights(write_back: str) -> npt.NDArray[np.float64]:
+        spec = run_spec("oja", 0, f"plasticity.write_back={write_back}", generations=1)
+        return np.concatenate([g.connections["weight"] for g in evolve(spec).population])
+
+    inherited = final_weights("false")
+    plain = run_spec("neat", generations=1)
+    initial = np.concatenate([g.connections["weight"] for g in evolve(plain).population])
+    assert (inherited == initial).all()
+    assert (final_weights("true") != inherited).any()
+
+
+def test_a_step_limit_ends_a_run_early() -> None:
+    evolution = evolve(run_spec("neat", 0, "evaluation.step_limit=100", generations=50))
+    assert evolution.history[-1].env_steps >= 100
+    assert evolution.history[-2].env_steps < 100 if evolution.generation > 1 else True
+    assert evolution.generation < 50
+
+
+def test_a_failed_evaluation_is_the_worst() -> None:
+    returns = np.array([[5.0, 7.0], [math.nan, math.nan], [-3.0, -1.0]])
+    failed = np.array([False, True, False])
+    steps, empty = np.zeros((3, 2), dtype=np.int64), np.zeros(0)
+    fitness = finite_fitness(Rollouts(returns, steps, empty, empty, failed), fallback=-9.0)
+    assert fitness[[0, 2]].tolist() == [6.0, -2.0]
+    assert fitness[1] == np.nextafter(-2.0, -np.inf), "worse than any other, and hardly so"
+    all_failed = Rollouts(returns[1:2], steps[1:2], empty, empty, failed[1:2])
+    assert finite_fitness(all_failed, fallback=-9.0).tolist() == [-9.0]
+
+
+class XorEngine:
+    """Fitness 4 minus the squared errors on the four cases; a right sign is a right answer."""
+
+    name = "xor"
+    cases = (((0.0, 0.0), -1.0), ((0.0, 1.0), 1.0), ((1.0, 0.0), 1.0), ((1.0, 1.0), -1.0))
+
+    def evaluate(
+        self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
+    ) -> Rollouts:
+        fitness = [
+            4.0
+            - sum(
+                ((outputs_of(networks, index, np.array(case))[0] - target) / 2) ** 2
+                for case, target in self.cases
+            )
+            for index in range(len(networks))
+        ]
+        return Rollouts(
+            returns=np.array(fitness).reshape(-1, 1),
+            steps=np.full((len(networks), 1), 4),
+            weight=networks.weight,
+            threshold=np.zeros_like(networks.bias),
+            failed=np.zeros(len(networks), dtype=np.bool_),
+        )
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_neat_solves_xor(seed: int) -> None:
+    spec = run_spec("neat", seed, population=150, generations=150)
+    evolution = Evolution.begin(spec, 2, 1)
+    solved = next((row for row in evolution.run(XorEngine()) if row.best_fitness > 3.9), None)
+    assert solved is not None
+    assert solved.nodes_best > 1, "XOR needs a hidden node"

@@ -1,0 +1,164 @@
+"""A budget's configuration: base, file and overrides; what is refused, and where it stands."""
+
+from pathlib import Path
+
+import pytest
+
+from neol.spec import configuration as spec
+from neol.spec.configuration import CONFIG, load_configuration
+from tests.helpers.refusal import refusal
+
+
+def test_overrides_come_last():
+    configuration = load_configuration(
+        "smoke",
+        [
+            "neat.elitism=3",
+            "plasticity.reward_scale=1e-1",
+            "tasks.cartpole.max_steps=200",
+            "methods.hebb.weight_mutation=0.3",
+            "methods.neat.weight_mutation=off",
+            "evaluation.step_limit=null",
+            "neat.elitism=4",
+        ],
+    )
+    assert configuration.neat.elitism == 4
+    assert configuration.plasticity.reward_scale == 0.1
+    assert configuration.tasks["cartpole"].max_steps == 200
+    assert configuration.methods["hebb"].weight_mutation == 0.3
+    assert configuration.methods["neat"].weight_mutation == "off"
+    assert configuration.evaluation.step_limit is None
+
+
+@pytest.mark.parametrize("budget", ["smok", "base", "", "../config/smoke", "schema"])
+def test_an_unknown_budget(budget):
+    text = refusal(load_configuration, budget)
+    assert text.startswith(f'unknown budget "{budget}"')
+    assert text.endswith("(allowed: demo, desk, paper, smoke)")
+
+
+@pytest.mark.parametrize(
+    ("override", "expected"),
+    [
+        ("neat.elitsm=3", 'neat.elitsm: unknown key, did you mean "elitism"? (allowed: weight_'),
+        ("neatt.elitism=3", 'neatt: unknown key, did you mean "neat"? (allowed: tasks, network, '),
+        ("tasks.cartpole.steps=9", "tasks.cartpole.steps: unknown key"),
+        ("tasks.cartpole.name=x", "tasks.cartpole.name: unknown key, it is called cartpole"),
+        ("budget.name=x", "budget.name: unknown key, it is called smoke"),
+        ("neat.elitism=x", "neat.elitism = 'x': must be a valid integer"),
+        ("neat.elitism=1.5", "neat.elitism = 1.5: must be a valid integer"),
+        ("neat.elitism=true", "neat.elitism = True: must be a valid integer"),
+        ("neat.elitism=-1", "neat.elitism = -1: must be greater than or equal to 0"),
+        ("budget.seeds=10001", "budget.seeds = 10001: must be less than or equal to 10000"),
+        ("evaluation.episodes=1001", "evaluation.episodes = 1001: must be less than or equal to"),
+        ("neat.elitism=9007199254740993", "neat.elitism = 9007199254740993: must be less than or"),
+        (
+            "tasks.cartpole.max_steps=99999999999999999999999",
+            "tasks.cartpole.max_steps = 99999999999999999999999: must be less than or equal to",
+        ),
+        ("neat.elitism.x=3", "neat.elitism = {'x': 3}: must be a valid integer"),
+        ("neat.elitism=2026-01-01", "neat.elitism = '2026-01-01': must be a valid integer"),
+        ("neat=3", "neat = 3: must be a mapping of keys to values"),
+        ("tasks=3", "tasks = 3: must be a mapping of keys to values"),
+        ("tasks.cartpole=3", "tasks.cartpole = 3: must be a mapping of keys to values"),
+        ("budget=null", "budget = None: must be a mapping of keys to values"),
+        ("plasticity.write_back=yes", "plasticity.write_back = 'yes': must be a valid boolean"),
+        ("plasticity.reward_scale=0", "plasticity.reward_scale = 0: must be greater than 0"),
+        ("plasticity.reward_scale=1e999", "plasticity.reward_scale = inf: must be a finite"),
+        ("plasticity.threshold_rate=2", "plasticity.threshold_rate = 2: must be less than or"),
+        ("tasks.cartpole.environment=this:Env", "tasks.cartpole.environment = 'this:Env'"),
+        ("evaluation.episodes=0", "evaluation.episodes = 0: must be greater than or equal to 1"),
+        ("evaluation.step_limit=0", "evaluation.step_limit = 0: must be greater than or equal"),
+        ("budget.seeds_per_job=0", "budget.seeds_per_job = 0: must be an integer from 1 to 2^53"),
+        ("budget.seeds_per_job={hopper: 3}", "budget.seeds_per_job: no number for cartpole"),
+        ("network.hidden_activation=sin", "network.hidden_activation = 'sin': must be 'tanh', "),
+        (
+            "methods.hebb.weight_mutation=1.5",
+            "methods.hebb.weight_mutation = 1.5: must be 'off', 'config' or a probability",
+        ),
+        ("methods.sgd.rule=hebb", "methods.sgd = 'sgd': must be 'neat', 'neat_wo', 'hebb', "),
+        ("tasks.mine.max_steps=3", "tasks.mine.environment: is missing"),
+        (
+            "budget.tasks=[carpole]",
+            'budget.tasks: unknown task "carpole", did you mean "cartpole"? (allowed: cartpole,',
+        ),
+        ("budget.tasks=[hopper, hopper]", "budget.tasks = ['hopper', 'hopper']: must not name a"),
+        ("budget.tasks=[]", "budget.tasks = []: must not be empty"),
+        ("budget.populations=50", "budget.populations = 50: must be a list"),
+        ("budget.populations=[50, 1]", "budget.populations.1 = 1: must be greater than or equal"),
+        ("budget.learning_rates=[-1]", "budget.learning_rates.0 = -1: must be greater than or"),
+        ("budget.generations=0", "budget.generations = 0: must be an integer from 1 to 2^53"),
+        ("budget.generations=9007199254740993", "budget.generations = 9007199254740993: must be"),
+        ("budget.generations={hopper: 3}", "budget.generations: no number for cartpole"),
+    ],
+)
+def test_an_override_that_is_not_allowed(override, expected):
+    assert refusal(load_configuration, "smoke", [override]).startswith(f"--set: {expected}")
+
+
+@pytest.mark.parametrize(
+    ("override", "expected"),
+    [
+        ("neat.elitism", '--set "neat.elitism": write it as key=value, like neat.elitism=3'),
+        ("=3", '--set "=3": write it as key=value, like neat.elitism=3'),
+        ("neat..elitism=3", '--set "neat..elitism=3": write it as key=value'),
+        ("neat.elitism=[1", "--set neat.elitism=[1, line 1: expected ',' or ']'"),
+        ("neat={a: 1, a: 2}", '--set neat={a: 1, a: 2}, line 1: key "a" stands here a second'),
+        ("neat.elitism=!!python/name:os.system", "--set neat.elitism=!!python/name:os.system"),
+    ],
+)
+def test_an_override_that_cannot_be_read(override, expected):
+    assert refusal(load_configuration, "smoke", [override]).startswith(expected)
+
+
+@pytest.fixture
+def config(tmp_path, monkeypatch) -> Path:
+    """A copy of the configuration's folder, to break."""
+    folder = tmp_path / "config"
+    folder.mkdir()
+    for path in CONFIG.glob("*.yaml"):
+        (folder / path.name).write_text(path.read_text())
+    monkeypatch.setattr(spec, "CONFIG", folder)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        ("", "config/mine.yaml: must be a mapping of keys to values"),
+        ("- 3", "config/mine.yaml: must be a mapping of keys to values"),
+        ("neat: [1", "config/mine.yaml, line 1: expected ',' or ']', but got '<stream end>'"),
+        (
+            "neat:\n  elitism: 2\n  elitism: 3\n",
+            'config/mine.yaml, line 3: key "elitism" stands here a second time',
+        ),
+        ("neat:\n  elitism: off\n", "config/mine.yaml: neat.elitism = 'off': must be a valid "),
+        ("neat:\n  elitsm: 3\n", 'config/mine.yaml: neat.elitsm: unknown key, did you mean "'),
+        ("3: 4\n", "config/mine.yaml: 3: unknown key (allowed: tasks, "),
+        ("neat: {}\n", "config/mine.yaml: budget: is missing"),
+        ("budget: {seeds: 3}\n", "config/mine.yaml: budget.generations: is missing"),
+        ("a\x00b: 1\n", "config/mine.yaml: unacceptable character #x0000"),
+    ],
+)
+def test_a_file_that_is_not_allowed(config, content, expected):
+    (config / "mine.yaml").write_text(content)
+    assert refusal(load_configuration, "mine").startswith(expected)
+
+
+def test_a_file_that_is_no_text(config):
+    (config / "mine.yaml").write_bytes(b"\xff\xfe\x00")
+    assert refusal(load_configuration, "mine").startswith("config/mine.yaml: cannot be read (")
+
+
+def test_a_constant_missing_from_the_base(config):
+    base = config / "base.yaml"
+    base.write_text(base.read_text().replace("  sum_limit: 50.0", "  #"))
+    assert refusal(load_configuration, "smoke").endswith("network.sum_limit: is missing")
+
+
+def test_every_constant_of_the_base_has_its_source():
+    """A comment on each line that gives a value."""
+    for line in (CONFIG / "base.yaml").read_text().splitlines():
+        key, _, value = line.partition(": ")
+        if value.strip() and not key.startswith("#") and "hardcore" not in key:
+            assert " # " in line or key.strip() == "fresh_world", line

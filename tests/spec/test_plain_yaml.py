@@ -1,0 +1,61 @@
+"""YAML from anyone: plain values, bounded."""
+
+from pathlib import Path
+
+import pytest
+
+from neol.base.errors import UserError
+from neol.spec.plain_yaml import MAX_BYTES, parse_yaml, read_yaml
+
+
+def test_words_and_numbers() -> None:
+    content = parse_yaml("[off, no, 1e-3, -2., 007, 1_0, ~, 'true', 0x1f, +5]", "test")
+    assert content == ["off", "no", 0.001, -2.0, 7.0, "1_0", None, "true", "0x1f", 5]
+
+
+def test_aliases_stand_for_what_they_name() -> None:
+    assert parse_yaml("{a: &a [1, 2], b: *a}", "test") == {"a": [1, 2], "b": [1, 2]}
+
+
+LAUGHS = "\n".join(
+    [
+        "a: &a [lol]",
+        *(
+            f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]"
+            for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+        ),
+    ]
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (LAUGHS, "test, line 1: more than 32768 values"),
+        ("&a [*a]", "test, line 1: more than 32768 values"),
+        ("[" * 2000 + "]" * 2000, "test: nested too deeply"),
+        ("9" * 5000, "test: not a value of its kind"),
+        ("!!int one", "test: not a value of its kind"),
+        ("!!bool one", "test: not a value of its kind"),
+        ("!!timestamp 2001-01-01", "could not determine a constructor"),
+        ("!!binary YQ==", "could not determine a constructor"),
+        ("!!python/object/apply:os.system [id]", "could not determine a constructor"),
+        ("!!python/name:os.system", "could not determine a constructor"),
+        ("{a: 1, a: 2}", 'key "a" stands here a second time'),
+        ("{[1]: 2}", "found unhashable key"),
+        ("a: \0", "test: unacceptable character"),
+    ],
+)
+def test_what_is_not_plain_is_refused_in_one_line(text: str, reason: str) -> None:
+    with pytest.raises(UserError) as refused:
+        parse_yaml(text, "test")
+    assert reason in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_files_are_bounded_text(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    for content in (b"\xff", b" " * (MAX_BYTES + 1)):
+        path.write_bytes(content)
+        with pytest.raises(UserError, match=r"a\.yaml"):
+            read_yaml(path, "a.yaml")

@@ -1,0 +1,52 @@
+"""A results folder of a small budget, and what happens in it."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from neol.run.record import join
+from neol.run.record_file import write_record
+from neol.study.campaign import outlook
+from neol.study.campaign.jobs import Job
+from neol.study.campaign.status import Folder
+from tests.helpers import made_up
+
+CONFIGURATION = made_up.configuration(tasks=("cartpole", "hopper"))
+"""Three seeds a job; two generations; P = 6 and 12; Hebb, Oja and BCM with two rates each."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Folder:
+    return Folder(tmp_path / "results" / "smoke", CONFIGURATION)
+
+
+def job(folder: Folder, task: str = "cartpole", part: str = "hebb", place: int = 0) -> Job:
+    """One of a row's jobs; the first has P = 6 and the lower rate."""
+    return [s.job for s in folder.look() if (s.job.spec.task.name, s.job.part) == (task, part)][
+        place
+    ]
+
+
+def finish(of: Job, cpu_seconds: float = 0.0, seeds: int = 3, output: Path | None = None) -> None:
+    """Write a record of so many of a job's seeds, each of which has cost so much."""
+    made = []
+    for seed in list(of.seeds)[:seeds]:
+        record = made_up.run(of.spec.model_copy(update={"seed": seed}), "smoke", 7.0)
+        cost = {"cpu_seconds": cpu_seconds, "wall_seconds": 2 * cpu_seconds}
+        infos = tuple(info.model_copy(update=cost) for info in record.seeds)
+        made.append(dataclasses.replace(record, seeds=infos))
+    path = output or of.record
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_record(path, join(made))
+
+
+def log(of: Job, text: str) -> None:
+    of.log.parent.mkdir(parents=True, exist_ok=True)
+    of.log.write_text(text)
+
+
+@pytest.fixture
+def unmeasured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if no task had ever been measured."""
+    monkeypatch.setattr(outlook, "run_seconds", lambda _spec: None)

@@ -1,0 +1,95 @@
+"""What the Snakefile is told: arguments, reasons, and locks that nobody holds."""
+
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from neol.run.record_file import write_record
+from neol.spec.configuration import load_configuration
+from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.jobs import Job, jobs
+from neol.study.campaign.snakemake import clear_stale_locks, pattern
+from tests.helpers.command import specification
+from tests.helpers.made_up import run
+
+JOBS = list(jobs(load_configuration("smoke")))
+
+
+@pytest.mark.parametrize("job", JOBS[::7], ids=lambda job: str(job.record.relative_to(RESULTS)))
+def test_the_arguments_of_a_job_are_its_specification(
+    job: Job, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spec, settings = specification(f"run {job.arguments} --output a.parquet", monkeypatch)
+    assert spec == job.spec
+    assert (settings["budget"], settings["seeds"]) == ("smoke", list(job.seeds))
+
+
+def test_every_record_is_made_by_one_job() -> None:
+    assert len({job.record for job in JOBS}) == len(JOBS)
+
+
+def test_the_reason_is_what_the_record_says(tmp_path: Path) -> None:
+    job = replace(JOBS[0], record=tmp_path / "a.parquet", seeds=range(1))
+    assert job.reason() == f"{job.record} is missing"
+    write_record(job.record, run(job.spec, "smoke", 1.0))
+    assert job.reason() is None
+    neat = job.spec.neat.model_copy(update={"elitism": 3})
+    changed = replace(job, spec=job.spec.model_copy(update={"neat": neat}))
+    difference = "neat.elitism is 2 there and 3 here"
+    assert changed.reason() == f"{job.record} is of another specification: {difference}"
+    more = replace(job, seeds=range(5))
+    assert more.reason() == f"{job.record} is of other seeds than 0 to 4"
+    job.record.write_bytes(b"damaged")
+    assert job.reason() is None  # whoever reads it says so
+
+
+def test_a_pattern_matches_its_records_only() -> None:
+    records = [RESULTS / "smoke" / "hebb" / "lr0.25" / f"seeds_{n}.parquet" for n in (1, 2)]
+    assert re.fullmatch(pattern(records), "smoke/hebb/lr0.25/seeds_2")
+    assert not re.fullmatch(pattern(records), "smoke/hebb/lr0925/seeds_2")
+    assert not re.fullmatch(pattern([]), "")
+
+
+HOLD = """
+from neol.study.campaign.snakemake import clear_stale_locks
+alive = clear_stale_locks()
+print(flush=True)
+input()
+"""
+
+
+def test_locks_are_cleared_once_nobody_lives(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    locks = tmp_path / ".snakemake" / "locks"
+    locks.mkdir(parents=True)
+    (locks / "0.input.lock").touch()
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLD], cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        assert not any(locks.iterdir())  # it was the first
+        (locks / "0.output.lock").touch()  # its own
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(tmp_path)
+            alive = clear_stale_locks()
+        assert any(locks.iterdir())
+        other.kill()
+    monkeypatch.chdir(tmp_path)
+    assert alive is not None
+    alive.close()
+    with clear_stale_locks() or pytest.fail("cannot be held"):
+        assert not any(locks.iterdir())
+
+
+def test_locks_of_another_machine_are_left(tmp_path: Path) -> None:
+    (tmp_path / "alive").write_text("elsewhere")
+    (tmp_path / "locks").mkdir()
+    (tmp_path / "locks" / "0.input.lock").touch()
+    assert clear_stale_locks(tmp_path) is None
+    assert any((tmp_path / "locks").iterdir())

@@ -1,0 +1,201 @@
+"""What the figures say; how they look was judged by eye."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from neol.pictures.style import STYLES, save
+from neol.study.campaign.exhibits import heatmaps_of
+from neol.study.figures.paper_figures import figure3, heatmap
+from neol.study.figures.plots import convergence, heatmaps
+from neol.study.outcomes.campaign_runs import Campaign
+from tests.helpers.made_up import configuration
+
+METHODS = ("bcm", "neat")
+
+
+def curves(generations: int = 4, seeds: int = 3) -> pd.DataFrame:
+    """Seed s of BCM ends at generations + s, of NEAT at s."""
+    return pd.DataFrame(
+        [
+            ("hopper", method, seed, generation, seed + generation * (method == "bcm"))
+            for method in METHODS
+            for seed in range(seeds)
+            for generation in range(1, generations + 1)
+        ],
+        columns=["task", "method", "seed", "generation", "best_fitness"],
+    )
+
+
+def runs() -> pd.DataFrame:
+    """Means 10 * population at the lower rate, 20 * population at the higher, 1.5 for NEAT."""
+    rows = [
+        ("bcm", population, rate, seed, factor * population + seed - 1)
+        for population in (6, 12)
+        for rate, factor in ((0.1, 10), (0.2, 20))
+        for seed in range(3)
+    ]
+    rows += [("neat", population, np.nan, seed, 1.5) for population in (6, 12) for seed in range(3)]
+    return pd.DataFrame(rows, columns=["method", "population", "learning_rate", "seed", "value"])
+
+
+def draw_curves(
+    table: pd.DataFrame, incomplete: Mapping[tuple[str, str], str] | None = None
+) -> Figure:
+    return convergence(
+        table,
+        tasks=["hopper"],
+        methods=METHODS,
+        seeds=3,
+        note="Budget made up.",
+        incomplete=incomplete or {},
+    )
+
+
+def draw_heatmaps(table: pd.DataFrame) -> Figure:
+    return heatmaps(
+        table,
+        metric="value",
+        title="Hopper",
+        methods=METHODS,
+        populations=[6, 12],
+        learning_rates=[0.1, 0.2],
+        seeds=3,
+        note="Budget made up.",
+    )
+
+
+def texts(figure: Figure, axis: int) -> list[str]:
+    return [text.get_text() for text in figure.axes[axis].texts]
+
+
+def footer(figure: Figure) -> str:
+    return figure.get_supxlabel().replace("\n", " ")
+
+
+def frames(figure: Figure, axis: int) -> list[Rectangle]:
+    patches = figure.axes[axis].patches
+    return [each for each in patches if isinstance(each, Rectangle) and not each.get_hatch()]
+
+
+def hatched(figure: Figure, axis: int) -> int:
+    return sum(bool(patch.get_hatch()) for patch in figure.axes[axis].patches)
+
+
+def test_lines_are_means_over_seeds() -> None:
+    top = draw_curves(curves()).axes[0]
+    bcm, neat = top.lines
+    assert bcm.get_xdata().tolist() == [1, 2, 3, 4]
+    assert bcm.get_ydata().tolist() == [2, 3, 4, 5]
+    assert neat.get_ydata().tolist() == [1, 1, 1, 1]
+    assert (bcm.get_color(), neat.get_color()) == (STYLES["bcm"].colour, STYLES["neat"].colour)
+
+
+def test_bands_end_at_the_range_of_the_runs() -> None:
+    low, high = draw_curves(curves(generations=1)).axes[0].get_ylim()  # BCM 1, 2, 3, NEAT 0, 1, 2
+    assert (low, high) == pytest.approx((-0.09, 3.09))
+
+
+def test_every_seed_is_a_dot() -> None:
+    dots = draw_curves(curves()).axes[1].collections
+    assert sorted(dots[0].get_offsets()[:, 1]) == [4, 5, 6]
+
+
+def test_curves_that_lack_seeds_are_marked() -> None:
+    table = curves()
+    figure = draw_curves(table[(table["method"] == "neat") | (table["seed"] > 0)])
+    assert "* BCM on Hopper: 2 of 3 seeds." in footer(figure)
+    assert [tick.get_text() for tick in figure.axes[1].get_xticklabels()] == ["BCM*", "NEAT"]
+    whole = draw_curves(table)
+    assert "*" not in footer(whole)
+    assert "Budget made up." in footer(whole)
+
+
+def test_a_choice_among_fewer_cells_is_marked() -> None:
+    figure = draw_curves(curves(), {("hopper", "bcm"): "chosen among 3 of 4"})
+    assert "* BCM on Hopper: chosen among 3 of 4." in footer(figure)
+    assert [tick.get_text() for tick in figure.axes[1].get_xticklabels()] == ["BCM*", "NEAT"]
+
+
+def test_a_method_without_runs_is_said() -> None:
+    figure = draw_curves(curves().query("method == 'bcm'"))
+    assert texts(figure, 1) == ["no runs"]
+    assert "NEAT on Hopper: 0 of 3 seeds" in footer(figure)
+
+
+def test_a_run_that_ended_early_keeps_its_last_value_in_the_boxplot() -> None:
+    table = curves().query("not (method == 'bcm' and seed == 2 and generation > 2)")
+    figure = draw_curves(table)
+    assert sorted(figure.axes[1].collections[0].get_offsets()[:, 1]) == [4, 4, 5]
+    assert figure.axes[0].lines[0].get_xdata().tolist() == [1, 2]  # as far as all seeds go
+
+
+def test_cells_print_means_with_the_lowest_rate_at_the_bottom() -> None:
+    figure = draw_heatmaps(runs())
+    assert texts(figure, 0) == ["60.0", "120", "120", "240"]
+    assert texts(figure, 1) == ["1.50", "1.50"]
+    assert figure.axes[0].get_ylim() == (0, 2)
+    assert [text.get_text() for text in figure.axes[0].get_yticklabels()] == ["0.1", "0.2"]
+
+
+def test_small_means_keep_three_significant_figures() -> None:
+    table = runs().query("method == 'bcm'")
+    figure = draw_heatmaps(table.assign(value=table["value"] / 10000))
+    assert texts(figure, 0) == ["0.00600", "0.0120", "0.0120", "0.0240"]
+
+
+def test_a_heatmap_says_its_own_steps_and_what_score_rewards(tmp_path: Path) -> None:
+    campaign = Campaign(configuration(tasks=("cartpole", "hopper")), tmp_path)
+    assert "of at most 200 steps" in footer(heatmap(4, campaign).figure)
+    assert "by construction" not in footer(heatmap(4, campaign).figure)
+    assert "SCORE grows with the population by construction" in footer(heatmap(8, campaign).figure)
+
+
+def test_figure_3_says_where_its_colours_are_not_the_papers(tmp_path: Path) -> None:
+    assert "NEAT (w/o) is purple" in footer(figure3(Campaign(configuration(), tmp_path)).figure)
+
+
+def test_a_budget_has_the_heat_maps_of_its_tasks() -> None:
+    assert heatmaps_of(configuration(tasks=("cartpole", "hopper")).budget) == [4, 6, 8, 10]
+
+
+def test_panels_share_a_scale() -> None:
+    bcm, neat = (axis.collections[0].get_clim() for axis in draw_heatmaps(runs()).axes[:2])
+    assert bcm == neat == (1.5, 240)
+
+
+def test_the_single_highest_cell_is_framed() -> None:
+    figure = draw_heatmaps(runs())
+    (frame,) = frames(figure, 0)
+    assert (round(frame.get_x()), round(frame.get_y())) == (1, 1)
+    assert not frames(figure, 1)  # a tie
+
+
+def test_cells_that_lack_seeds_are_hatched_and_counted() -> None:
+    table = runs().query("not (population == 6 and learning_rate == 0.1 and seed > 0)")
+    table = table.query("not (population == 12 and learning_rate == 0.2)")
+    figure = draw_heatmaps(table)
+    assert texts(figure, 0) == ["59.0\n1/3", "120", "120", "no runs"]
+    assert hatched(figure, 0) == 2
+    hatches = [patch for patch in figure.axes[0].patches if patch.get_hatch()]
+    assert all(patch.get_alpha() is None and patch.get_linewidth() > 0 for patch in hatches)
+    assert "Hatched: 2 of 6 cells lack seeds." in footer(figure)
+
+
+@pytest.mark.parametrize("table", [runs().assign(value=500.0), runs().iloc[:0]])
+def test_degenerate_heatmaps_can_be_drawn(table: pd.DataFrame, tmp_path: Path) -> None:
+    save(draw_heatmaps(table), tmp_path / "figure4")
+
+
+def test_files_repeat_byte_for_byte(tmp_path: Path) -> None:
+    for name in ("first", "second"):
+        save(draw_curves(curves()), tmp_path / name)
+    for suffix in ("pdf", "png"):
+        first, second = (tmp_path / f"{name}.{suffix}" for name in ("first", "second"))
+        assert first.read_bytes() == second.read_bytes()
+        assert b"matplotlib.org" not in first.read_bytes()

@@ -1,0 +1,31 @@
+"""The estimators against those of Agarwal et al.'s own package (2021), on the same runs.
+
+Its bootstrap does not run with an `arch` that runs with pandas 3: scipy's stands in for it, in
+test_statistics.py.
+"""
+
+import numpy as np
+import pytest
+from rliable import library, metrics
+
+from neol.study.outcomes.statistics import interquartile_mean, mean_superiority, performance_profile
+
+RUNS, TASKS = 60, 4
+OURS = np.random.default_rng(1).normal(0.3, 1, size=(RUNS, TASKS))
+THEIRS = np.random.default_rng(2).normal(0, 1, size=(RUNS, TASKS))
+THRESHOLDS = np.linspace(-1, 1, 5)
+PAIRS = [column for pair in zip(OURS.T, THEIRS.T, strict=True) for column in pair]
+
+
+def test_interquartile_mean() -> None:
+    assert interquartile_mean(*OURS.T) == pytest.approx(metrics.aggregate_iqm(OURS))
+
+
+def test_probability_of_improvement() -> None:
+    improvement = metrics.probability_of_improvement(OURS, THEIRS)
+    assert mean_superiority(*PAIRS) == pytest.approx(improvement)
+
+
+def test_performance_profile() -> None:
+    theirs = [library.run_score_deviation(OURS, threshold) for threshold in THRESHOLDS]
+    assert performance_profile(THRESHOLDS)(*OURS.T) == pytest.approx(theirs)

@@ -1,0 +1,50 @@
+"""A made-up campaign on all four tasks, and what the workflow makes of it."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from neol.pictures.labels import TASKS
+from neol.study.claims.claims import decide, load_claims
+from neol.study.claims.ledger import write_ledger
+from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.effects import effects, selection
+from neol.study.outcomes.outcomes import gather
+from neol.study.outcomes.sensitivity import sensitivity
+from neol.study.output.sidecar import write_sidecar
+from neol.study.report.paper_text import TABLES
+from neol.study.tables import paper_tables
+from tests.helpers.made_up import configuration, write_campaign
+
+
+@pytest.fixture(scope="session")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
+    """All four tasks; every run ends at 7."""
+    results = tmp_path_factory.mktemp("results")
+    budget = configuration(tasks=tuple(TASKS), seeds=5)
+    write_campaign(results, budget, {}, otherwise=7.0)
+    return Campaign(budget, results)
+
+
+@pytest.fixture(scope="session")
+def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the page and the paper read of these runs; a ledger of two claims, a grey picture."""
+    folder = tmp_path_factory.mktemp("figures")
+    for number in TABLES:
+        getattr(paper_tables, f"table{number}")(campaign).write(folder)
+    outcomes = gather(campaign)
+    some = [
+        claim for claim in load_claims() if claim.id in ("higher-returns", "cartpole-converges")
+    ]
+    write_ledger(folder, [decide(claim, outcomes) for claim in some], campaign)
+    for name, table in {
+        "beyond_effects": effects(outcomes, campaign.configuration.budget),
+        "beyond_selection": selection(outcomes),
+        "beyond_sensitivity": sensitivity(campaign.configuration, folder)[0],
+    }.items():
+        table.to_csv(folder / f"{name}.csv", index=False)
+        write_sidecar([folder / f"{name}.csv"], campaign.configuration, ())
+    Image.new("L", (900, 300), 128).save(folder / "figure2.png")
+    write_sidecar([folder / "figure2.png"], campaign.configuration, ())
+    return folder

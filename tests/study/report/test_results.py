@@ -1,0 +1,55 @@
+"""The page docs/results.md."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from neol.base.errors import UserError
+from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.report.results import write_page
+
+
+@pytest.fixture(scope="module")
+def text(campaign: Campaign, figures: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("docs") / "results.md"
+    write_page(campaign, figures, path)
+    assert path.with_suffix(".png").read_bytes() == (figures / "figure2.png").read_bytes()
+    return path.read_text(encoding="utf-8")
+
+
+def section(text: str, title: str) -> str:
+    return text.split(f"\n## {title}\n")[1].split("\n## ")[0]
+
+
+def test_every_claim_is_in_the_section_of_its_verdict(text: str) -> None:
+    assert "none at this budget" in section(text, "What is supported")
+    assert '| "across four standard control' in section(text, "What is contradicted")
+    assert "fewer than 500 generations |" in section(text, "What is open")
+    assert "supports 0, contradicts 1 and leaves 1 open" in " ".join(text.split())
+
+
+def test_tables_and_effects_are_there(text: str) -> None:
+    assert "<table>" in section(text, "Table 1")
+    assert "| held-out return | Hopper | 0.50 [0.50, 0.50] |" in section(text, "In short")
+
+
+def test_tables_are_tables(text: str) -> None:
+    """A blank line before, as many cells in each line, none after the last; Table 1 as HTML."""
+    assert text.count("<table>") == text.count("</table>") == 1
+    for table in re.findall(r"(?:^\|.*\n)+", text, re.M):
+        assert f"\n\n{table}" in text
+        assert len({line.count("|") for line in table.splitlines()}) == 1
+        assert re.match(r"(\| --- )+\|$", table.splitlines()[1])
+    assert "\n\n\n" not in text
+    assert not re.search(r"\bnan\b|\bNone\b[^ ]|[{}]", text)
+
+
+def test_an_edited_table_is_refused(campaign: Campaign, figures: Path, tmp_path: Path) -> None:
+    shutil.copytree(figures, tmp_path / "figures")
+    edited = tmp_path / "figures" / "beyond_effects.csv"
+    edited.write_text(edited.read_text().replace("0.5", "0.9"))
+    with pytest.raises(UserError, match=r"beyond_effects\.csv: changed since"):
+        write_page(campaign, tmp_path / "figures", tmp_path / "results.md")
+    assert not (tmp_path / "results.md").exists()

@@ -1,0 +1,140 @@
+"""What is said of results: never more than an interval allows."""
+
+import math
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.effects import FITNESS
+from neol.study.report import words
+
+
+def effects(**row: Any) -> pd.DataFrame:
+    """One comparison with NEAT on Hopper."""
+    there = {"outcome": FITNESS, "task": "hopper", "method": "bcm", "seeds": 10}
+    there |= {"against": "neat"}
+    return pd.DataFrame([there | {"a12": 0.5, "low": 0.2, "high": 0.8, "p_holm": 1.0} | row])
+
+
+@pytest.mark.parametrize(
+    ("a12", "low", "high", "said"),
+    [
+        (0.9, 0.51, 1.0, "above NEAT"),
+        (0.9, 0.5, 1.0, "not told apart from NEAT"),
+        (0.1, 0.0, 0.5, "not told apart from NEAT"),
+        (0.1, 0.0, 0.49, "below NEAT"),
+    ],
+)
+def test_a_rule_is_above_or_below_only_where_its_interval_is(
+    a12: float, low: float, high: float, said: str
+) -> None:
+    table = effects(a12=a12, low=low, high=high)
+    assert words.told_apart(table, FITNESS, "neat") == [
+        f"Hopper: BCM {a12:.2f} [{low:.2f}, {high:.2f}] {said}."
+    ]
+
+
+def test_rules_are_told_side_by_side() -> None:
+    rows = [
+        effects(method="bcm", a12=0.9, low=0.8, high=1.0),
+        effects(method="hebb"),
+        effects(method="oja", a12=0.8, low=0.7, high=1.0),
+    ]
+    (sentence,) = words.told_apart(pd.concat(rows), FITNESS, "neat")
+    assert sentence == (
+        "Hopper: BCM 0.90 [0.80, 1.00], Oja 0.80 [0.70, 1.00] above NEAT; "
+        "Hebb 0.50 [0.20, 0.80] not told apart from NEAT."
+    )
+    assert words.effects_table(pd.concat(rows), "neat") == [
+        ["outcome", "task", "BCM", "Hebb", "Oja"],
+        [
+            FITNESS,
+            "Hopper",
+            "**0.90 [0.80, 1.00]**",
+            "0.50 [0.20, 0.80]",
+            "**0.80 [0.70, 1.00]**",
+        ],
+    ]
+
+
+def test_who_is_told_apart_is_said_of_each_outcome() -> None:
+    table = pd.concat([
+        effects(method="bcm", low=0.6), effects(method="neat_wo", low=0.6), effects(method="oja"),
+        effects(method="oja", task="cartpole", high=0.4),
+        effects(method="bcm", task="all", low=0.6),
+        effects(outcome="SCORE", against="neat_wo", method="hebb", low=0.6),
+    ])  # fmt: skip
+    assert words.summary(table)[:2] == [
+        "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
+        "in final fitness, BCM and NEAT (w/o) on Hopper (above), Oja on CartPole (below); in "
+        "SCORE, none; in held-out return, none.",
+        "From NEAT (w/o), which neither learns nor mutates weights: in final fitness, none; in "
+        "SCORE, Hebb on Hopper (above); in held-out return, none.",
+    ]
+
+
+def test_what_is_decided_names_its_tasks() -> None:
+    """A part without runs, or that is open, decides nothing."""
+    yes, no, open_ = "supported", "contradicted", "undecided"
+    parts = [
+        ("a", yes, yes, "cartpole"), ("a", yes, yes, "hopper"), ("b", yes, yes, "hopper"),
+        ("c", open_, yes, "lunar_lander"), ("c", open_, open_, math.nan),
+        ("d", no, yes, "cartpole"), ("d", no, open_, math.nan), ("d", no, no, "bipedal_walker"),
+    ]  # fmt: skip
+    ledger = pd.DataFrame(parts, columns=["claim", "verdict", "part_verdict", "tasks"])
+    assert words.verdicts(ledger) == [
+        "Of 4 claims of the paper this budget supports 2, contradicts 1 and leaves 1 open; claims "
+        "overlap, so that is no count of independent findings.",
+        "What is supported is about CartPole and Hopper.",
+        "What is contradicted is about Bipedal Walker.",
+    ]
+
+
+def test_what_champions_get_again() -> None:
+    columns = ["task", "mean", "held_out"]
+    rows = [("hopper", 195.0, -187.0), ("hopper", 398.0, -56.0), ("cartpole", math.nan, math.nan)]
+    assert words.flattered(pd.DataFrame(rows, columns=columns)) == [
+        "Hopper: -187 to -56.0 again, 195 to 398 less than in training."
+    ]
+
+
+def test_the_share_of_generations_with_one_species(campaign: Campaign) -> None:
+    assert words.one_species(campaign)[0].startswith("CartPole: BCM ")
+
+
+def test_no_run_is_no_comparison() -> None:
+    table = effects(seeds=0, a12=math.nan, low=math.nan, high=math.nan)
+    (sentence,) = words.told_apart(table, FITNESS, "neat")
+    assert sentence == "Hopper: BCM cannot be compared with NEAT."
+
+
+def test_tests_are_counted_after_correction() -> None:
+    table = pd.concat([effects(p_holm=0.01), effects(p_holm=0.05), effects(p_holm=math.nan)])
+    assert words.after_correction(table).startswith(
+        "Of 2 one-sided tests of the declared family, 1"
+    )
+    assert words.after_correction(table).endswith(
+        "correction: final fitness, Hopper, BCM against NEAT."
+    )
+
+
+def test_readings_that_were_told_apart_are_named() -> None:
+    columns = ["variant", "task", "method", "seeds", "pairs", "same", "a12", "low", "high"]
+    rows = [
+        ("baseline", "hopper", "bcm", 10, 10, 10, 0.5, 0.5, 0.5),
+        ("beta 1", "hopper", "bcm", 10, 10, 0, 0.1, 0.0, 0.4),
+        ("ReLU", "hopper", "neat", 10, 10, 0, 0.6, 0.3, 0.9),
+        ("literal sharing", "hopper", "neat", 10, 10, 10, 0.5, 0.5, 0.5),
+        ("ReLU", "cartpole", "neat", 10, 10, 0, 0.5, 0.5, 0.5),
+        ("sigmoid", "cartpole", "neat", 0, 0, 0, math.nan, math.nan, math.nan),
+    ]
+    assert words.told_by_sensitivity(pd.DataFrame(rows, columns=columns)) == [
+        "Hopper: plasticity.reward_scale=1.0 (BCM) 0.10 [0.00, 0.40], of 2 that acted.",
+        "CartPole: none, of 1 that acted.",
+        "All together: 1 of 3; if no reading mattered, at most about 0 would be by chance.",
+        "Acted on nothing, each run being the baseline's, in 1 trials: neat.sharing=literal.",
+    ]
+    nothing = pd.DataFrame(rows[5:], columns=columns)
+    assert words.told_by_sensitivity(nothing) == ["None of the study's runs is there."]

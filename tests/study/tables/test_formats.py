@@ -1,0 +1,34 @@
+"""How values are printed."""
+
+import math
+
+import pytest
+
+from neol.pictures.labels import drawn, three_figures
+from neol.study.tables.formats import marks
+
+
+def test_every_reason_has_a_mark_of_its_own() -> None:
+    found = marks(["", *(f"without seeds {seed}" for seed in range(53))])
+    assert len(set(found.values())) == 53
+    assert [*found.values()][::26] == ["(a)", "(aa)", "(aaa)"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.45, "0.450"),
+        (-12.0, "-12.0"),
+        (99.97, "100"),
+        (1234.5, "1234"),
+        (-0.0, "0.00"),
+        (math.nan, "--"),
+        (math.inf, "inf"),
+    ],
+)
+def test_numbers_have_three_figures(value: float, text: str) -> None:
+    assert three_figures(value) == text
+
+
+def test_pictures_have_a_minus_and_a_dash() -> None:
+    assert [drawn(text) for text in ("-1.50", "--")] == ["−1.50", "–"]

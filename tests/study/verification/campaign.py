@@ -1,0 +1,84 @@
+"""A small campaign to verify, and its manifest."""
+
+import dataclasses
+import hashlib
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+from neol.base.errors import UserError
+from neol.run.provenance import Provenance
+from neol.run.record_file import read_record, write_record
+from neol.run.runner import run_block
+from neol.spec.configuration import load_configuration
+from neol.study.campaign.grid import RESULTS, blocks, run_specs
+from neol.study.campaign.jobs import Job, jobs
+from neol.study.verification.manifest import NAME, Entry, write_manifest
+
+MADE_BY = Provenance(
+    versions=dict.fromkeys(("python", "numpy", "numba", "neol"), "1.0"),
+    commit="0123456789abcdef",
+    dirty=False,
+    host="here",
+    platform="Linux-x86_64",
+    cpu="2 x some CPU",
+    libc="glibc 2.36",
+    time="2026-01-01T00:00:00+00:00",
+)
+OJA, HEBB, NEAT = (
+    f"cartpole/{cell}/seeds_000-002.parquet"
+    for cell in ("oja/p006_lr0.25", "hebb/p006_lr0.25", "neat/p006")
+)
+HOPPER = "hopper/neat/p006/seeds_000-002.parquet"
+TRIALS = [f"sensitivity/baseline/cartpole_{method}.parquet" for method in ("bcm", "neat")]
+
+
+def make_campaign(folder: Path) -> None:
+    """Three records of budget smoke, nine runs in all, with their manifest."""
+    configuration = load_configuration("smoke")
+    for block in blocks(configuration):
+        name = block.record.relative_to("results/smoke").as_posix()
+        if name in (OJA, HEBB, NEAT):
+            output = folder / name
+            output.parent.mkdir(parents=True)
+            specs = run_specs(configuration, block)
+            record = run_block(specs[0], block.seeds, output, budget="smoke", engine="reference")
+            timeless = {"wall_seconds": 0.0, "cpu_seconds": 0.0}  # same bytes each time
+            seeds = tuple(info.model_copy(update=timeless) for info in record.seeds)
+            write_record(output, dataclasses.replace(record, seeds=seeds))
+    write_manifest(folder)
+
+
+def patch_budget(*more: str) -> Any:
+    """Let the budget be these three records, a study of two trials and what is named.
+
+    A context manager.
+    """
+    return mock.patch(
+        "neol.study.verification.manifest.jobs", lambda asked: _few(asked.budget.name, more)
+    )
+
+
+@cache
+def _few(budget: str, more: tuple[str, ...]) -> list[Job]:
+    names = [RESULTS / budget / name for name in (OJA, HEBB, NEAT, *TRIALS, *more)]
+    return [job for job in jobs(load_configuration(budget)) if job.record in names]
+
+
+def update_manifest(folder: Path, *, add: str = "") -> None:
+    """Make a manifest's entries those of its records as they are now, as a careful liar would."""
+    path = folder / NAME
+    content = json.loads(path.read_text())
+    if add:
+        content["records"].append({"path": add})
+    for entry in content["records"]:
+        record = folder / entry["path"]
+        try:
+            new = Entry.of(entry["path"], record.read_bytes(), read_record(record))
+            entry |= new.model_dump(mode="json")
+        except UserError:
+            entry["sha256"] = hashlib.sha256(record.read_bytes()).hexdigest()
+    content["records"].sort(key=lambda entry: entry["path"])
+    path.write_text(json.dumps(content))

@@ -1,0 +1,320 @@
+"""Verification and replays: what a difference means, draws, manifests. Errors: planted."""
+
+import dataclasses
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from neol.base.errors import UserError
+from neol.rollout.reference import network_size
+from neol.run.runner import run_block
+from neol.spec.configuration import load_configuration
+from neol.spec.observations import size_of
+from neol.study.campaign.jobs import jobs
+from neol.study.verification.manifest import NAME, read_manifest, write_manifest
+from neol.study.verification.replays import (
+    LIBM_DIGEST,
+    Difference,
+    Replay,
+    Run,
+    draw,
+    findings,
+    libm_digest,
+    machine_differences,
+)
+from tests.helpers.command import neol
+from tests.helpers.damage import Json, forge_record
+from tests.run.test_digests import SAME_LAST_BITS
+from tests.study.verification.campaign import (
+    HEBB,
+    HOPPER,
+    MADE_BY,
+    NEAT,
+    OJA,
+    TRIALS,
+    make_campaign,
+    patch_budget,
+)
+from tests.study.verification.planted.contents import seal_spec
+
+OTHER = MADE_BY.model_copy(
+    update={"libc": "musl 1.2", "versions": MADE_BY.versions | {"numba": "2"}}
+)
+LAST_BIT = Difference(2, "mean_fitness", 1.0, 1.0000000000000002)
+LARGE = [Difference(2, name, 1.0, 5.0) for name in ("best_fitness", "mean_fitness")]
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    folder = tmp_path_factory.mktemp("results") / "smoke"
+    make_campaign(folder)
+    with patch_budget():
+        yield folder
+
+
+def replayed(*differences: Difference, made_by: object = MADE_BY, **changes: object) -> Replay:
+    run = Replay((Path("a"), 0), MADE_BY, 2, False, differences)
+    return dataclasses.replace(run, made_by=made_by, **changes)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("replay", "meaning"),
+    [
+        (replayed(*LARGE), "edited: this machine has the same versions, CPU and libc"),
+        (replayed(LAST_BIT), "edited: this machine has the same"),
+        (
+            replayed(LAST_BIT, made_by=OTHER),
+            "this machine computes differently: it begins in the last bits, and numba is 2 there "
+            "and 1.0 here, libc is musl 1.2 there and glibc 2.36 here",
+        ),
+        (
+            replayed(*LARGE, made_by=OTHER),
+            "edited, or this machine computes differently: numba",
+        ),
+        (replayed(LARGE[0], made_by=OTHER), "edited: the other values of this generation agree"),
+        (  # weights alone may round apart, and what differs may die out
+            replayed(Difference(1, "weight_change_mean", 1.0, 1.1), made_by=OTHER),
+            "edited, or this machine computes differently: numba is 2 there",
+        ),
+        (
+            replayed(Difference(5, "evaluations", 30, 31), made_by=OTHER),
+            "edited: no machine gives another value",
+        ),
+        (
+            replayed(*LARGE, made_by=MADE_BY.model_copy(update={"commit": "fedcba987654"})),
+            "edited, or made by other code (commit fedcba9876 there, 0123456789 here): this",
+        ),
+        (
+            replayed(*LARGE, made_by=MADE_BY.model_copy(update={"dirty": True})),
+            "edited, or made by other code (commit 0123456789-dirty there, 0123456789 here): this",
+        ),
+    ],
+)
+def test_what_a_difference_means(
+    replay: Replay, meaning: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("neol.study.verification.replays.provenance", lambda: MADE_BY)
+    monkeypatch.setattr("neol.study.verification.replays.libm_digest", lambda: LIBM_DIGEST)
+    (finding,) = findings([replay])
+    assert finding.meaning.startswith(meaning)
+
+
+def test_the_same_machine_has_no_differences_though_its_cores_are_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("platform.machine", lambda: "x86_64")
+    monkeypatch.setattr("neol.study.verification.replays.libm_digest", lambda: LIBM_DIGEST)
+    here = MADE_BY.model_copy(update={"cpu": "64 x some CPU", "host": "there"})
+    assert machine_differences(MADE_BY, here) == ""
+    assert machine_differences(MADE_BY.model_copy(update={"versions": {}}), here) == ""
+    monkeypatch.setattr("neol.study.verification.replays.libm_digest", lambda: "")
+    assert machine_differences(MADE_BY, here).startswith("sine or tanh is glibc's")
+
+
+@pytest.mark.skipif(not SAME_LAST_BITS, reason="the digest was made on x86-64 Linux with glibc")
+def test_libm_rounds_as_it_does_where_the_known_digests_come_from() -> None:
+    assert libm_digest() == LIBM_DIGEST
+
+
+def test_draws_are_the_seeds_and_never_repeat() -> None:
+    runs = [(Path(name), seed) for name in "ab" for seed in range(50)]
+    assert draw(runs, 9, 1) == draw(reversed(runs), 9, 1) != draw(runs, 9, 2)
+    assert len(set(draw(runs, 9, 1))) == 9
+    assert draw(runs, 1000, 1) == runs
+
+
+def test_the_manifest_is_the_same_each_time(campaign: Path) -> None:
+    before = (campaign / NAME).read_bytes()
+    (campaign / "x.parquet.partial").mkdir()
+    (campaign / "x.parquet.partial" / "seed_000000.parquet").write_bytes(b"in progress")
+    assert write_manifest(campaign) == read_manifest(campaign)
+    assert (campaign / NAME).read_bytes() == before
+
+
+def test_a_manifest_of_several_budgets_or_of_nothing_is_refused(
+    campaign: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match="holds no records"):
+        write_manifest(tmp_path)
+    for name in ("a.parquet", "b.parquet"):
+        (tmp_path / name).write_bytes((campaign / OJA).read_bytes())
+    forge_record(tmp_path / "b.parquet", lambda metadata, _: metadata.update(budget="desk"))
+    with pytest.raises(UserError, match=r"b\.parquet: is of budget desk, .*a\.parquet of smoke"):
+        write_manifest(tmp_path)
+
+
+def test_a_manifest_above_a_budget_s_folder_is_refused(campaign: Path, tmp_path: Path) -> None:
+    shutil.copytree(campaign, tmp_path / "smoke")
+    with pytest.raises(UserError, match=r"smoke/.* budget smoke has no record of this name; a man"):
+        write_manifest(tmp_path)
+    assert not (tmp_path / NAME).exists()
+
+
+def test_what_no_manifest_vouches_for_is_said(campaign: Path, tmp_path: Path) -> None:
+    (tmp_path / "a.parquet").write_bytes((campaign / OJA).read_bytes())
+    for path in (tmp_path, tmp_path / "a.parquet"):
+        outcome = neol("verify", path)
+        assert outcome.exit_code == 0
+        assert outcome.stdout == (
+            "1 record of 3 runs checked, 1 in no manifest.json (neol manifest FOLDER writes one): "
+            "all well\n"
+        )
+
+
+def test_a_part_of_a_folder_is_checked_against_the_manifest_above(campaign: Path) -> None:
+    part = neol("verify", campaign / "cartpole" / "oja")
+    said = "1 record of 3 runs checked, 1 of 3 records of budget smoke: all well\n"
+    assert part.stdout == said
+
+
+def test_an_unfinished_campaign_is_no_finding_but_said(campaign: Path, tmp_path: Path) -> None:
+    shutil.copytree(campaign, tmp_path / "smoke")
+    (tmp_path / "smoke" / OJA).unlink()
+    (tmp_path / "smoke" / NAME).unlink()
+    outcome = neol("verify", tmp_path)
+    assert outcome.exit_code == 0
+    assert "2 of 3 records of budget smoke, 2 in no manifest.json" in outcome.stdout
+    write_manifest(tmp_path / "smoke")
+    assert f"{OJA}: missing, and manifest.json leaves it out" in neol("verify", tmp_path).stdout
+
+
+def test_a_manifest_can_speak_for_some_tasks(campaign: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "smoke"
+    shutil.copytree(campaign, folder)
+    with patch_budget(HOPPER):
+        write_manifest(folder)
+        assert (
+            f"{HOPPER}: missing, and manifest.json leaves it out" in neol("verify", folder).stdout
+        )
+        assert neol("manifest", folder, "--tasks", "cartpole").exit_code == 0
+        assert read_manifest(folder).tasks == ("cartpole",)
+        said = "3 records of 9 runs checked, 3 of 4 records of budget smoke: all well\n"
+        assert neol("verify", folder).stdout == said
+        (folder / OJA).unlink()
+        write_manifest(folder, "cartpole")
+        assert f"{OJA}: missing, and manifest.json leaves it out" in neol("verify", folder).stdout
+
+
+@pytest.mark.parametrize(
+    ("tasks", "line"),
+    [
+        ("hopper", f"{HEBB}: is of task cartpole, not of hopper; name all tasks"),
+        ("hoper", 'budget smoke has no task "hoper", did you mean "hopper"?'),
+    ],
+)
+def test_a_manifest_of_other_tasks_is_refused(campaign: Path, tasks: str, line: str) -> None:
+    before = (campaign / NAME).read_bytes()
+    outcome = neol("manifest", campaign, "--tasks", tasks)
+    assert outcome.exit_code == 2
+    assert line in outcome.stderr
+    assert (campaign / NAME).read_bytes() == before
+
+
+def test_of_a_sensitivity_study_all_trials_are_there_or_none(
+    campaign: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "smoke"
+    shutil.copytree(campaign, folder)
+    (job,) = (j for j in jobs(load_configuration("smoke"), tmp_path) if j.record.match(TRIALS[0]))
+    run_block(job.spec, job.seeds, job.record, budget="smoke", engine="reference")
+    write_manifest(folder)
+    outcome = neol("verify", folder)
+    assert f"{folder / TRIALS[1]}: missing, and manifest.json leaves it out" in outcome.stdout
+    assert "4 records of 12 runs checked, 3 of 3 records of budget smoke: 1 finding" in (
+        outcome.stdout
+    )
+
+
+def test_linked_folders_are_checked(campaign: Path, tmp_path: Path) -> None:
+    (tmp_path / "smoke").symlink_to(campaign)
+    outcome = neol("verify", tmp_path)
+    said = "3 records of 9 runs checked, 3 of 3 records of budget smoke: all well\n"
+    assert outcome.stdout == said
+
+
+def test_what_is_found_does_not_depend_on_where_one_stands(
+    campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(campaign, tmp_path / "smoke")
+    record = tmp_path / "smoke" / OJA
+    record.write_bytes((campaign / HEBB).read_bytes())
+    monkeypatch.chdir(record.parent)
+    for path in (record.name, ".", f"../{record.parent.name}"):
+        outcome = neol("verify", path)
+        assert outcome.exit_code == 3
+        assert "its SHA-256 is not that in manifest.json" in outcome.stdout
+        assert outcome.stdout.startswith(
+            str(Path(path, "" if path == record.name else record.name))
+        )
+
+
+def test_records_named_twice_are_checked_once(campaign: Path) -> None:
+    outcome = neol("verify", campaign, campaign, campaign / OJA, campaign / "cartpole")
+    said = "3 records of 9 runs checked, 3 of 3 records of budget smoke: all well\n"
+    assert outcome.stdout == said
+
+
+def test_what_was_repeated_is_said_with_the_seed_of_the_draw(campaign: Path) -> None:
+    outcome = neol(
+        *("verify", campaign, "--replay", 2, "--generations", 10**6),
+        *("--replay-champions", 1, "--seed", 5),
+    )
+    assert outcome.exit_code == 0
+    assert outcome.stdout == (
+        "3 records of 9 runs checked, 3 of 3 records of budget smoke, 2 runs repeated, "
+        "6 generations, 1 champion played again (--seed 5): all well\n"
+    )
+    assert "(--seed " in neol("verify", campaign, "--replay", 1).stdout
+
+
+def test_runs_and_champions_are_drawn_apart(
+    campaign: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[list[Run]] = [[], []]
+
+    def note(place: int) -> Callable[..., Replay]:
+        def play(run: Run, *_: int) -> Replay:
+            drawn[place].append(run)
+            return replayed()
+
+        return play
+
+    monkeypatch.setattr("neol.study.verification.replays.replay", note(0))
+    monkeypatch.setattr("neol.study.verification.replays.replay_champion", note(1))
+    neol("verify", campaign, "--replay", 4, "--replay-champions", 4, "--seed", 0)
+    assert drawn[0] != drawn[1]
+
+
+def test_a_run_that_cannot_be_repeated_loses_no_other_finding(
+    campaign: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "a.parquet").write_bytes((campaign / NEAT).read_bytes())
+    (tmp_path / "b.parquet").write_bytes(b"")
+
+    def unknown(metadata: Json, _: Json) -> None:
+        metadata["spec"]["task"]["environment"] = "Nowhere-v0"
+        seal_spec(metadata)
+
+    forge_record(tmp_path / "a.parquet", unknown)
+    outcome = neol("verify", tmp_path, "--replay", 1, "--replay-champions", 1, "--seed", 0)
+    assert outcome.exit_code == 3
+    first, *again, summary = outcome.stdout.splitlines()
+    assert first.startswith(f"{tmp_path / 'b.parquet'}: damaged")
+    assert len(again) == 2
+    assert all("cannot be repeated: " in line and "Nowhere-v0" in line for line in again)
+    assert summary.endswith(": 3 findings")
+
+
+def test_sizes_are_those_of_the_papers_environments() -> None:
+    for task in load_configuration("paper").tasks.values():
+        assert size_of(task.environment) == network_size(task)
+    assert size_of("Acrobot-v1") is None
+
+
+def test_where_there_is_nothing_to_check_the_input_is_wrong(tmp_path: Path) -> None:
+    for path in (tmp_path, tmp_path / "missing"):
+        outcome = neol("verify", path)
+        assert outcome.exit_code == 2
+        assert outcome.stderr.startswith(f"neol: {path}: ")
