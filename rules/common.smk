@@ -12,7 +12,7 @@ from neol.study.campaign.cost import walltime_minutes
 from neol.base.errors import UserError
 from neol.study.campaign.jobs import jobs
 from neol.run.workspace import remove_if_complete
-from neol.study.campaign.shown import SHOWN_BUDGET, figures_folder, label, select
+from neol.study.campaign.shown import DEFAULT_BUDGET, figures_folder, label, select
 from neol.spec.configuration import budgets
 from neol.study.campaign.snakemake import clear_stale_locks, pattern
 
@@ -36,7 +36,7 @@ shell.prefix(
 
 if unknown := sorted(set(config) - {"budget", "tasks"}):
     sys.exit(f"neol: --config {unknown[0]}: unknown key (allowed: budget, tasks)")
-BUDGET, TASKS = str(config.get("budget", SHOWN_BUDGET)), str(config.get("tasks") or "")
+BUDGET, TASKS = str(config.get("budget", DEFAULT_BUDGET)), str(config.get("tasks") or "")
 try:
     CONFIGURATION = select(BUDGET, TASKS)
 except UserError as error:
@@ -130,7 +130,7 @@ def ask_otherwise(wildcards):
     place = path.with_suffix("") if page else path.parent
     budget = f"({'|'.join(budgets())})(?:-(.+))?"
     other = re.fullmatch(f"(?:figures/|docs/results-)({budget})", str(place))
-    if other and other[1] not in (LABEL, SHOWN_BUDGET):
+    if other and other[1] not in (LABEL, DEFAULT_BUDGET):
         _, budget, tasks = other.groups()
         options = f"budget={budget}" + (f" tasks={tasks}" if tasks else "")
         sys.exit(f"neol: {path} needs --config {options}")

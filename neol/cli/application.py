@@ -138,7 +138,7 @@ def _budgets(incomplete: str) -> list[str]:
     return [name for name in budgets() if name.startswith(incomplete)]
 
 
-Budget = Annotated[
+BudgetOption = Annotated[
     str | None,
     typer.Option(
         help="Take constants from this budget, a file of config/ such as desk; default: paper.",

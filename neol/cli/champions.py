@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]
-Seed = Annotated[
+SeedOption = Annotated[
     int | None, typer.Option(min=0, help="Whose champion; without it that of the first seed.")
 ]
 
@@ -28,7 +28,7 @@ Seed = Annotated[
 )
 def replay(
     record: RecordPath,
-    seed: Seed = None,
+    seed: SeedOption = None,
     episodes: Annotated[int, typer.Option(min=1, help="How many.")] = 5,
     first: Annotated[int, typer.Option(min=0, help="Number of the first one, from 0.")] = 0,
     gif: Annotated[Path | None, typer.Option(help="Film the first one into this file.")] = None,
@@ -77,7 +77,7 @@ def replay(
 )
 def show(
     record: RecordPath,
-    seed: Seed = None,
+    seed: SeedOption = None,
     plasticity: Annotated[
         bool, typer.Option("--plasticity", help="How its weights change within an episode.")
     ] = False,
@@ -113,7 +113,7 @@ def export(
         Literal["json", "onnx", "python"], typer.Option("--format", help="onnx needs its package.")
     ],
     output: Annotated[Path, typer.Option(help="The file.")],
-    seed: Seed = None,
+    seed: SeedOption = None,
 ) -> None:
     """Write a champion's network, with fixed weights, for use elsewhere."""
     from neol.base.files import write_atomically

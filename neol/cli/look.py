@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from neol.cli.application import Budget, Overrides, app, examples
+from neol.cli.application import BudgetOption, Overrides, app, examples
 
 
 @app.command(epilog=examples("neol digest a.parquet"))
@@ -23,7 +23,7 @@ def digest(record: Annotated[Path, typer.Argument(metavar="RECORD", help="A reco
     )
 )
 def config(
-    budget: Budget = None,
+    budget: BudgetOption = None,
     overrides: Overrides = None,
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of a configuration file.")
@@ -39,7 +39,7 @@ def config(
     if schema:
         print(json.dumps(spec.schema(), indent=2))
         return
-    configuration = spec.load_configuration(budget or spec.DEFAULT_BUDGET, overrides or [])
+    configuration = spec.load_configuration(budget or spec.PAPER_BUDGET, overrides or [])
     content = configuration.model_dump(
         mode="json", exclude={"tasks": {"__all__": {"name"}}, "budget": {"name"}}
     )

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from neol.base.errors import INTERRUPTED, TERMINATED, UserError
-from neol.cli.application import Budget, Overrides, app, complain, examples
+from neol.cli.application import BudgetOption, Overrides, app, complain, examples
 from neol.network.rules import RULES, WITHOUT_RULE
 
 if TYPE_CHECKING:
     from neol.run.record import Record
 
 MAX_SEEDS = 10_000
-METHODS = (*WITHOUT_RULE, *RULES)
+METHOD_NAMES = (*WITHOUT_RULE, *RULES)
 
 
 def _methods(incomplete: str) -> list[str]:
-    return [name for name in METHODS if name.startswith(incomplete)]
+    return [name for name in METHOD_NAMES if name.startswith(incomplete)]
 
 
 @app.command(
@@ -40,7 +40,9 @@ def run(
             help="cartpole, lunar_lander, hopper, bipedal_walker(_hardcore), or another's gym:ID."
         ),
     ],
-    method: Annotated[str, typer.Option(help=", ".join(METHODS) + ".", autocompletion=_methods)],
+    method: Annotated[
+        str, typer.Option(help=", ".join(METHOD_NAMES) + ".", autocompletion=_methods)
+    ],
     population: Annotated[int, typer.Option(help="P, 2 to 100000.")],
     generations: Annotated[int, typer.Option(help="G, at least 1.")],
     output: Annotated[Path, typer.Option(help="The record: a .parquet that does not exist yet.")],
@@ -59,7 +61,7 @@ def run(
     write_back: Annotated[
         bool | None, typer.Option("--write-back/--no-write-back", help="Inherit learned weights.")
     ] = None,
-    budget: Budget = None,
+    budget: BudgetOption = None,
     overrides: Overrides = None,
     engine: Annotated[
         Literal["auto", "fast", "reference"], typer.Option(help="All give the same bits.")
@@ -94,9 +96,9 @@ def run(
         (option, loc, str(value)) for option, (loc, value) in constants.items() if value is not None
     ]
 
-    from neol.spec.configuration import DEFAULT_BUDGET, load_configuration
+    from neol.spec.configuration import PAPER_BUDGET, load_configuration
 
-    budget_name, overrides = budget or DEFAULT_BUDGET, overrides or []
+    budget_name, overrides = budget or PAPER_BUDGET, overrides or []
     # Before the options: --max-steps would make a constant of a task that is not there.
     load_configuration(budget_name, overrides).check_names(task, method)
     spec = load_configuration(budget_name, overrides, options).run_spec(

@@ -10,7 +10,7 @@ from rich.text import Text
 from neol.cli.progress import duration
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.outlook import Status
-from neol.study.campaign.status import STATES, Finished, JobStatus
+from neol.study.campaign.status import JOB_STATES, Finished, JobStatus
 
 LISTED = 5
 """As many entries of a list are shown."""
@@ -56,12 +56,12 @@ def _table(status: Status) -> RenderableType:
     table = Table(box=None, pad_edge=False)
     for name in ("task", "method"):
         table.add_column(name, no_wrap=True)
-    for name in ("runs", *STATES, "core-hours left"):
+    for name in ("runs", *JOB_STATES, "core-hours left"):
         table.add_column(name, justify="right")
     table.add_column("estimated from")
     for row in status.rows:
         hours = "unknown" if row.core_hours is None else f"{row.core_hours:,.2f}"
-        counts = [str(row.states[state] or "-") for state in STATES]
+        counts = [str(row.states[state] or "-") for state in JOB_STATES]
         table.add_row(row.task, row.part, str(row.states.total()), *counts, hours, row.basis or "-")
     return table
 

@@ -10,7 +10,7 @@ import typer
 from neol.cli.application import DISAGREES, app, examples
 
 if TYPE_CHECKING:
-    from neol.study.verification.check import Finding
+    from neol.study.verification.check import Problem
     from neol.study.verification.replays import Run
 
 
@@ -69,7 +69,7 @@ def verify(
     from neol.study.verification.check import Verification
 
     verification = Verification(paths)
-    findings: list[Finding] = []
+    findings: list[Problem] = []
     runs: set[Run] = set()
     try:
         with Display() as display:
@@ -98,13 +98,13 @@ def _repeat(
     generations: int,
     champions: int,
     seed: int,
-    findings: "list[Finding]",
+    findings: "list[Problem]",
 ) -> str:
     """Repeat what is drawn of the runs and compare; what was repeated, and how to do it again."""
     from neol.base.errors import UserError
     from neol.cli.progress import Display
     from neol.study.verification import replays
-    from neol.study.verification.check import Finding
+    from neol.study.verification.check import Problem
 
     runs = list(runs)
     drawn = [(run, False) for run in replays.draw(runs, replay, seed)]
@@ -119,7 +119,7 @@ def _repeat(
                 )
             found = list(replays.findings(done[-1:]))
         except UserError as error:
-            found = [Finding(run[0], f"cannot be repeated: {error}", run[1])]
+            found = [Problem(run[0], f"cannot be repeated: {error}", run[1])]
         for finding in found:
             print(finding, flush=True)
         findings += found

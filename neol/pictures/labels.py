@@ -3,10 +3,16 @@
 import math
 from collections.abc import Iterable
 
-METHODS = {"bcm": "BCM", "hebb": "Hebb", "oja": "Oja", "neat": "NEAT", "neat_wo": "NEAT (w/o)"}
+METHOD_LABELS = {
+    "bcm": "BCM",
+    "hebb": "Hebb",
+    "oja": "Oja",
+    "neat": "NEAT",
+    "neat_wo": "NEAT (w/o)",
+}
 
 
-TASKS = {
+TASK_LABELS = {
     "cartpole": "CartPole",
     "lunar_lander": "Lunar Lander",
     "hopper": "Hopper",
@@ -16,14 +22,14 @@ TASKS = {
 
 def method_label(method: str) -> str:
     """A method's name; of one that the paper does not have, its own."""
-    return METHODS.get(method, method.replace("_", " "))
+    return METHOD_LABELS.get(method, method.replace("_", " "))
 
 
 def task_label(task: str) -> str:
     """A task's name; of one that the paper does not have, its own."""
     if task.startswith("gym:"):
         return task.removeprefix("gym:")
-    return TASKS.get(task, task.replace("_", " ").title())
+    return TASK_LABELS.get(task, task.replace("_", " ").title())
 
 
 def listed(words: Iterable[str]) -> str:

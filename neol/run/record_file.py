@@ -1,7 +1,7 @@
 """Records as files: Parquet that vouches for itself.
 
 Rows are generations, one per seed. The file's metadata hold, under the key "neol", a JSON of class
-`Metadata`, and under "neol_digest" the SHA-256 over that JSON and all columns.
+`RecordMetadata`, and under "neol_digest" the SHA-256 over that JSON and all columns.
 """
 
 import hashlib
@@ -28,7 +28,7 @@ MAX_BYTES = 2**28
 MAX_ROWS = 10_000_000
 
 
-class Metadata(Model):
+class RecordMetadata(Model):
     """The JSON in a record's file metadata."""
 
     schema_version: int
@@ -42,7 +42,7 @@ class Metadata(Model):
 
 def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> None:
     """Write a record, as `write_atomically` does. Raises UserError where it cannot be written."""
-    metadata = Metadata(
+    metadata = RecordMetadata(
         schema_version=SCHEMA_VERSION,
         spec=record.spec.without_seed(),
         spec_digest=record.spec.digest(),
@@ -79,7 +79,7 @@ def parse_record(path: Path, content: bytes, spec: RunSpec | None = None) -> Rec
     try:
         return _validated(text, table)
     except ValidationError as error:
-        root = Metadata if error.title == Metadata.__name__ else RunSpec
+        root = RecordMetadata if error.title == RecordMetadata.__name__ else RunSpec
         raise _unusable(path, f"damaged: {one_line(error, root)}") from None
     except Exception as error:
         raise _unusable(path, f"damaged: {error}") from None
@@ -101,12 +101,12 @@ def read_spec(path: Path) -> dict[str, Any]:
     return _stored_spec(path, _footer(path))
 
 
-def read_footer(path: Path) -> Metadata:
+def read_footer(path: Path) -> RecordMetadata:
     """All that a record's footer states, unverified, as by `read_spec`."""
     text = _footer(path)
     _stored_spec(path, text)
     try:
-        return Metadata.model_validate_json(text)
+        return RecordMetadata.model_validate_json(text)
     except Exception as error:
         raise _unusable(path, f"damaged: {error}") from None
 
@@ -171,7 +171,7 @@ def _text(footer: pq.FileMetaData) -> bytes:
 
 def _validated(text: bytes, table: pa.Table) -> Record:
     """The record, if rows and metadata tell the same story."""
-    metadata = Metadata.model_validate_json(text)
+    metadata = RecordMetadata.model_validate_json(text)
     spec = RunSpec.model_validate_json(
         pydantic_core.to_json({**metadata.spec, "seed": metadata.seeds[0].seed})
     )

@@ -35,7 +35,7 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 # A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
 ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
-DEFAULT_BUDGET = "paper"
+PAPER_BUDGET = "paper"
 """Its constants are those of config/base.yaml."""
 
 
@@ -119,7 +119,7 @@ Option = tuple[str, tuple[str, ...], str]
 
 
 def load_configuration(
-    budget: str = DEFAULT_BUDGET,
+    budget: str = PAPER_BUDGET,
     overrides: Sequence[str] = (),
     options: Sequence[Option] = (),
 ) -> Configuration:

@@ -14,7 +14,7 @@ from neol.spec.types import (
     Model,
     NonNegativeFloat,
     NonNegativeInt,
-    Population,
+    PopulationSize,
     PositiveFloat,
     PositiveInt,
     Probability,
@@ -159,7 +159,7 @@ class Budget(Model):
     """G: of any task, or for each."""
     seeds: Annotated[int, Field(ge=1, le=10_000)]
     """How many: a cell runs with seeds 0 to seeds - 1."""
-    populations: Several[Population]
+    populations: Several[PopulationSize]
     learning_rates: Several[NonNegativeFloat]
     """Grid of eta for the methods with a rule."""
     tasks: Several[Text]

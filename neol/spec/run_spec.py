@@ -14,7 +14,7 @@ from neol.spec.constants import (
     Plasticity,
     Task,
 )
-from neol.spec.types import Model, Population, PositiveInt, Seed, Text
+from neol.spec.types import Model, PopulationSize, PositiveInt, Seed, Text
 
 
 class RunSpec(Model):
@@ -22,7 +22,7 @@ class RunSpec(Model):
 
     task: Task
     method: Text
-    population: Population
+    population: PopulationSize
     """P."""
     generations: PositiveInt
     """G."""

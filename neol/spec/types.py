@@ -40,7 +40,7 @@ LARGEST_SEED = 2**63 - 1  # what a record's column holds
 Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 PositiveFloat = Annotated[float, Field(gt=0)]
 NonNegativeFloat = Annotated[float, Field(ge=0)]
-Population = Annotated[int, Field(ge=2, le=100_000)]  # a slip of the hand would fill the memory
+PopulationSize = Annotated[int, Field(ge=2, le=100_000)]  # a slip of the hand would fill the memory
 Text = Annotated[str, Field(min_length=1)]
 Item = TypeVar("Item")
 

@@ -32,7 +32,7 @@ def test_columns_are_documented(path: Path) -> None:
 
 def test_metadata_are_documented() -> None:
     text = (ROOT / "docs" / "records.md").read_text()
-    for model in (record_file.Metadata, SeedInfo):
+    for model in (record_file.RecordMetadata, SeedInfo):
         for name in model.model_fields:
             assert f"`{name}`" in text
 

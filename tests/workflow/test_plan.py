@@ -14,7 +14,7 @@ from neol.run.workspace import finished_path, partial_folder
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import blocks, paper_cells
 from neol.study.campaign.jobs import jobs
-from neol.study.campaign.shown import SHOWN_BUDGET, select
+from neol.study.campaign.shown import DEFAULT_BUDGET, select
 from neol.study.output.sidecar import trace
 from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
 
@@ -188,8 +188,11 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
         (["docs/results-paper-cartpole.md"], "needs --config budget=paper tasks=cartpole"),
         (["figures/paper/table1.tex"], "needs --config budget=paper"),
         (["figures/paper-hopper/table1.tex"], "needs --config budget=paper tasks=hopper"),
-        ([f"figures/{SHOWN_BUDGET}/table1.tex"], "ask for figures/table1.tex"),
-        ([f"results/{SHOWN_BUDGET}/cartpole/nix.parquet"], f"{SHOWN_BUDGET} has no such record"),
+        ([f"figures/{DEFAULT_BUDGET}/table1.tex"], "ask for figures/table1.tex"),
+        (
+            [f"results/{DEFAULT_BUDGET}/cartpole/nix.parquet"],
+            f"{DEFAULT_BUDGET} has no such record",
+        ),
     ],
 )
 def test_what_cannot_be_made_is_refused_in_one_line(

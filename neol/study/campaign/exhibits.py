@@ -1,14 +1,14 @@
 """Tasks and methods as the paper prints them, and in which order; and numbers."""
 
 from neol.network.rules import WITHOUT_RULE
-from neol.pictures.labels import METHODS, TASKS
+from neol.pictures.labels import METHOD_LABELS, TASK_LABELS
 from neol.spec.constants import Budget
 
 PAPER_RULES = ("bcm", "hebb", "oja")
 """In the order of its tables."""
 HEATMAPS = {
-    **{4 + position: (task, "final_best") for position, task in enumerate(TASKS)},
-    **{8 + position: (task, "score") for position, task in enumerate(TASKS)},
+    **{4 + position: (task, "final_best") for position, task in enumerate(TASK_LABELS)},
+    **{8 + position: (task, "score") for position, task in enumerate(TASK_LABELS)},
 }
 """The paper's Figures 4 to 11: task and outcome of each."""
 BEYOND = (
@@ -29,7 +29,7 @@ def heatmaps_of(budget: Budget) -> list[int]:
 
 def challengers(budget: Budget) -> tuple[str, ...]:
     """What is compared with NEAT: the paper's rules, then a budget's other ones."""
-    return (*PAPER_RULES, *(method for method in budget.methods if method not in METHODS))
+    return (*PAPER_RULES, *(method for method in budget.methods if method not in METHOD_LABELS))
 
 
 def shown_methods(budget: Budget) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from neol.base.errors import UserError
-from neol.run.record_file import Metadata, first_difference, read_footer
+from neol.run.record_file import RecordMetadata, first_difference, read_footer
 from neol.spec.configuration import Configuration
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.grid import RESULTS, blocks, run_specs
@@ -60,7 +60,7 @@ class Job:
         except UserError:
             return None
 
-    def misfit(self, footer: Metadata) -> str | None:
+    def misfit(self, footer: RecordMetadata) -> str | None:
         """Why a record with this footer must be made anew; None where it is the job's."""
         if difference := first_difference(footer.spec, self.spec):
             return f"{self.record} is of another specification: {difference}"

@@ -12,7 +12,7 @@ from pathlib import Path
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.cost import run_seconds
 from neol.study.campaign.jobs import SENSITIVITY
-from neol.study.campaign.status import JobStatus, State
+from neol.study.campaign.status import JobState, JobStatus
 
 RECENT_RUNS = 20
 """As many of the latest runs say how fast runs finish at present."""
@@ -31,7 +31,7 @@ class Row:
 
     task: str
     part: str
-    states: Counter[State]
+    states: Counter[JobState]
     core_hours: float | None
     """What the rest will cost; None where the task was never measured."""
     basis: str
@@ -53,13 +53,13 @@ class Status:
                 self._seconds[key] += run.cpu_seconds
                 self._episodes[key] += _episodes(run.spec)
 
-    def of(self, state: State) -> list[JobStatus]:
+    def of(self, state: JobState) -> list[JobStatus]:
         """The jobs whose next run is in a state."""
         return [status for status in self.statuses if status.state == state]
 
-    def states(self, *, sensitivity: bool = False) -> Counter[State]:
+    def states(self, *, sensitivity: bool = False) -> Counter[JobState]:
         """How many runs are in each state: those of the grid, or those of the sensitivity study."""
-        counts = Counter[State]()
+        counts = Counter[JobState]()
         for status in self.statuses:
             if (status.job.part == SENSITIVITY) == sensitivity:
                 counts += status.states
@@ -101,7 +101,7 @@ class Status:
         return 3600.0 * sum(filter(None, hours)) / cores
 
     def _row(self, task: str, part: str, group: Sequence[JobStatus]) -> Row:
-        states = sum((status.states for status in group), Counter[State]())
+        states = sum((status.states for status in group), Counter[JobState]())
         seconds, worst = 0.0, -1
         for status in group:
             if status.runs_left:

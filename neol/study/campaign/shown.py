@@ -7,12 +7,12 @@ from neol.base.errors import UserError, hint
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
 
-SHOWN_BUDGET = "desk"
+DEFAULT_BUDGET = "desk"
 """Where none is named."""
 FIGURES = Path("figures")
 
 
-def select(budget: str = SHOWN_BUDGET, tasks: str = "") -> Configuration:
+def select(budget: str = DEFAULT_BUDGET, tasks: str = "") -> Configuration:
     """A budget's configuration; with some of its tasks only if they are named: "cartpole,hopper".
 
     Raises UserError for an unknown budget, or a task that the budget does not have.
@@ -55,7 +55,7 @@ def label(budget: Budget) -> str:
 
 def figures_folder(budget: Budget) -> Path:
     """Where its tables and figures are: figures/, or figures/paper-cartpole."""
-    return FIGURES if label(budget) == SHOWN_BUDGET else FIGURES / label(budget)
+    return FIGURES if label(budget) == DEFAULT_BUDGET else FIGURES / label(budget)
 
 
 def snakemake_options(budget: Budget) -> str:

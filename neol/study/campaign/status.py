@@ -20,8 +20,8 @@ from neol.spec.configuration import Configuration
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.jobs import Job, jobs
 
-State = Literal["done", "running", "interrupted", "failed", "missing"]
-STATES: tuple[State, ...] = get_args(State)
+JobState = Literal["done", "running", "interrupted", "failed", "missing"]
+JOB_STATES: tuple[JobState, ...] = get_args(JobState)
 
 LOG_BYTES = 2**16
 """As much of a log's end is read."""
@@ -48,7 +48,7 @@ class JobStatus:
     """How far a job is."""
 
     job: Job
-    state: State
+    state: JobState
     """Of the first run that is not done; "done" where all are."""
     finished: tuple[Finished, ...] = ()
     generation: int = 0
@@ -67,9 +67,9 @@ class JobStatus:
         return self._unfinished[0]
 
     @property
-    def states(self) -> Counter[State]:
+    def states(self) -> Counter[JobState]:
         """How many of the runs are in each state."""
-        counts = Counter[State]({"done": len(self.finished)})
+        counts = Counter[JobState]({"done": len(self.finished)})
         if self._unfinished:
             counts[self.state] += 1
             counts["missing"] += len(self._unfinished) - 1
@@ -120,7 +120,7 @@ class Folder:
         if not (unfinished := _unfinished(job, finished)):
             return JobStatus(job, "done", finished)
         generation = checkpoint.generations(checkpoint_path(partial, unfinished[0]))
-        state: State = "running" if is_running(partial) else "interrupted"
+        state: JobState = "running" if is_running(partial) else "interrupted"
         return JobStatus(job, state, finished, generation)
 
     def _runs(self, job: Job) -> tuple[Finished, ...]:

@@ -15,7 +15,7 @@ from neol.base.errors import UserError, hint, one_line
 from neol.spec.configuration import CONFIG, Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
 from neol.spec.sources import Overlay
-from neol.spec.types import MethodName, Model, Population, PositiveInt, Several
+from neol.spec.types import MethodName, Model, PopulationSize, PositiveInt, Several
 from neol.study.campaign.grid import RESULTS
 
 VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
@@ -30,7 +30,7 @@ class Study(Model):
     """How much a variant spends at most; a smaller budget's own size is less."""
 
     generations: PositiveInt
-    population: Population
+    population: PopulationSize
     seeds: PositiveInt
 
 

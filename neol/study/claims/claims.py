@@ -80,7 +80,7 @@ class _Ledger(Model):
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class PartVerdict:
     """What the runs say about a part."""
 
     part: Part
@@ -104,7 +104,7 @@ class Decision:
     """A claim and what its parts came to."""
 
     claim: Claim
-    findings: tuple[Finding, ...]
+    findings: tuple[PartVerdict, ...]
 
     @property
     def verdict(self) -> Verdict:
@@ -115,7 +115,7 @@ class Decision:
         return "undecided" if "undecided" in verdicts else "supported"
 
     @property
-    def decisive(self) -> Finding:
+    def decisive(self) -> PartVerdict:
         """The finding that the verdict hangs on: the lowest of those that gave it."""
         same = [finding for finding in self.findings if finding.verdict == self.verdict]
         return min(same, key=lambda finding: (math.isnan(finding.low), finding.low))
@@ -151,18 +151,18 @@ def decide(claim: Claim, outcomes: Outcomes, *, seed: int = 0) -> Decision:
     return Decision(claim, tuple(findings))
 
 
-def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: float) -> Finding:
+def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: float) -> PartVerdict:
     cells = [cell for cell in part.cells if cell is not None]
     missing = any(outcomes.missing(cell) for cell in (*cells, *part.among))
     if len(cells) < len(part.cells):
-        return Finding(part, "undecided", SEEDS_MISSING if missing else NO_SUCH_CELL)
+        return PartVerdict(part, "undecided", SEEDS_MISSING if missing else NO_SUCH_CELL)
     samples = [outcomes.values(cell, part.metric) for cell in cells]
     seeds = min(map(len, samples))
     if any(np.isnan(outcomes.values(each, part.metric)).any() for each in (*cells, *part.among)):
         reason = NO_COMMON_RANGE if part.metric in EQUAL else "a run has no value"
-        return Finding(part, "undecided", reason, seeds=seeds)
+        return PartVerdict(part, "undecided", reason, seeds=seeds)
     if seeds < 2:
-        return Finding(part, "undecided", f"{seeds} seeds", seeds=seeds)
+        return PartVerdict(part, "undecided", f"{seeds} seeds", seeds=seeds)
     judged = part.rule(samples, random, alpha)
     verdict: Verdict = (
         "supported" if judged.right else "contradicted" if judged.wrong else "undecided"
@@ -177,7 +177,7 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
         reason = UNEQUAL_TASKS
     elif verdict == part.provisional and min(generations) < PAPER_GENERATIONS:
         reason = TOO_SHORT
-    return Finding(
+    return PartVerdict(
         part,
         "undecided" if reason else verdict,
         reason,

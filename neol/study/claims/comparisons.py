@@ -14,7 +14,7 @@ from pydantic import Field
 
 from neol.spec.types import Model
 from neol.study.campaign.grid import Cell
-from neol.study.claims.judgement import Rule, by_interval, by_rank_sum
+from neol.study.claims.judgement import DecisionRule, by_interval, by_rank_sum
 from neol.study.outcomes import statistics
 from neol.study.outcomes.outcomes import METRICS, Metric, Outcomes, Setting
 from neol.study.outcomes.statistics import Effect, Floats
@@ -40,7 +40,7 @@ class Part:
     cells: tuple[Cell | None, ...]
     """Whose runs it is made of; None for one that the budget does not have."""
     metric: Metric
-    rule: Rule
+    rule: DecisionRule
     """What decides it, given the cells' values in their order."""
     among: tuple[Cell, ...] = ()
     """What the cells were chosen among: a seed that is missing there could change the choice."""

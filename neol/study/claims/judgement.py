@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neol.study.outcomes.paper_numbers import SEEDS as PAPER_SEEDS
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS
 from neol.study.outcomes.statistics import (
     ALPHA,
     Effect,
@@ -44,13 +44,13 @@ class Judgement:
     """Seeds with which an effect of this size decides 4 times of 5; NaN where it is unknown."""
 
 
-Rule = Callable[[Sequence[Floats], np.random.Generator, float], Judgement]
+DecisionRule = Callable[[Sequence[Floats], np.random.Generator, float], Judgement]
 """From samples, the bootstrap's generator and the level of a contradiction."""
 
 
 def by_interval(
     effect: Effect, *, at_least: bool = False, picked: tuple[int, int] = (1, 1)
-) -> Rule:
+) -> DecisionRule:
     """The effect's bootstrap interval lies above 0, or at or below it.
 
     With `at_least` an effect of 0 bears the claim out as well. `picked` says out of how many cells
@@ -74,7 +74,7 @@ def by_interval(
     return judge
 
 
-def by_one_run(effect: Effect, *, reaches: bool) -> Rule:
+def by_one_run(effect: Effect, *, reaches: bool) -> DecisionRule:
     """A mean against a maximum: one run below it shows that the mean is; none, with enough seeds,
     that it `reaches` it.
 
@@ -92,7 +92,7 @@ def by_one_run(effect: Effect, *, reaches: bool) -> Rule:
     return judge
 
 
-def by_rank_sum(*, differs: bool) -> Rule:
+def by_rank_sum(*, differs: bool) -> DecisionRule:
     """Wilcoxon's rank-sum test of two samples; the effect is A12 - 1/2.
 
     That the first `differs`: the one-sided test is significant, or that of the other side. That it
@@ -116,7 +116,7 @@ def by_rank_sum(*, differs: bool) -> Rule:
     return judge
 
 
-def by_share(more_than: float) -> Rule:
+def by_share(more_than: float) -> DecisionRule:
     """In more than this share of pairs of samples the first has the higher mean.
 
     The share of observed leads would not do: noise draws it towards one half, so it contradicts a

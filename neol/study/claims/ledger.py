@@ -11,7 +11,7 @@ from neol.base.files import write_atomically
 from neol.pictures.labels import three_figures
 from neol.study.campaign.grid import cells
 from neol.study.claims import claims
-from neol.study.claims.claims import Decision, Finding
+from neol.study.claims.claims import Decision, PartVerdict
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.output.captions import describe_budget
 from neol.study.output.latex import escape
@@ -136,14 +136,14 @@ def _markdown_row(decision: Decision) -> str:
     return f"| {' | '.join(entries)} |"
 
 
-def _effect(finding: Finding) -> str:
+def _effect(finding: PartVerdict) -> str:
     if math.isnan(finding.effect):
         return finding.reason or "--"
     effect, low, high = map(three_figures, (finding.effect, finding.low, finding.high))
     return f"{effect} [{low}, {high}]"
 
 
-def _p(finding: Finding) -> str:
+def _p(finding: PartVerdict) -> str:
     return "" if math.isnan(finding.p) else f"{finding.p:.3g}"
 
 

@@ -20,14 +20,14 @@ from neol.study.claims.claims import (
     UNEQUAL_TASKS,
 )
 from neol.study.outcomes.campaign_runs import SECONDS_IN_AN_HOUR
-from neol.study.outcomes.paper_numbers import SEEDS as PAPER_SEEDS
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS
 from neol.study.outcomes.score import PAPER_GENERATIONS
 
-SEEDS = (PAPER_SEEDS, 100, 300, 1000)
+SEED_COUNTS = (PAPER_SEEDS, 100, 300, 1000)
 """Where seeds are what open claims lack, these budgets are looked at."""
 
 
-class Step(NamedTuple):
+class NextStep(NamedTuple):
     """What would decide some of the open claims."""
 
     takes: str
@@ -35,7 +35,7 @@ class Step(NamedTuple):
     core_hours: str
 
 
-def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[Step]:
+def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[NextStep]:
     """What the open claims lack, and what it costs; a claim counts where it lacks the most."""
     budget = configuration.budget
     elsewhere, where = (
@@ -44,7 +44,7 @@ def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[Step]:
         else ("paper", "cells that this budget does not have: the paper's budget")
     )
     other = load_configuration(elsewhere)
-    more = [seeds for seeds in SEEDS if seeds > budget.seeds]
+    more = [seeds for seeds in SEED_COUNTS if seeds > budget.seeds]
     takes: dict[str | float, tuple[str, float | None]] = {
         "runs": ("the rest of this budget's runs", None),
         **{
@@ -60,7 +60,7 @@ def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[Step]:
     }
     counts = Counter(_lack(parts, more) for _, parts in open_parts(ledger))
     return [
-        Step(text, counts[lack], "--" if hours is None else three_figures(hours))
+        NextStep(text, counts[lack], "--" if hours is None else three_figures(hours))
         for lack, (text, hours) in takes.items()
         if counts[lack]
     ]
@@ -117,6 +117,6 @@ def lacks(parts: pd.DataFrame) -> str:
     needed = _seeds_needed(parts)
     if reasons:
         return ", ".join(reasons)
-    if needed > SEEDS[-1]:
-        return f"more than {SEEDS[-1]} seeds"
+    if needed > SEED_COUNTS[-1]:
+        return f"more than {SEED_COUNTS[-1]} seeds"
     return f"about {float(f'{needed:.1e}'):.0f} seeds"

@@ -21,7 +21,7 @@ from neol.study.outcomes.statistics import Floats, mean_interval
 PLASTIC, FROZEN = "#0072B2", "#D55E00"
 """An episode that learns to its end, and one that stops learning."""
 
-OUTCOMES = {
+RUN_OUTCOMES = {
     "held_out": "Held-out return",
     "best_fitness": "Best fitness (return)",
     "connections": "Connections of the best genome",
@@ -145,7 +145,7 @@ def outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, by: st
         )
         axis.set_title(f"{task_label(task)}, budget {budget}")
         axis.set_xlabel(by.replace("_", " ").capitalize())
-        axis.set_ylabel(OUTCOMES[outcome])
+        axis.set_ylabel(RUN_OUTCOMES[outcome])
     return figure
 
 

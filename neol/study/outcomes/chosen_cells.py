@@ -11,7 +11,7 @@ from neol.study.campaign.grid import Cell, cells, paper_cells
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class CellChoice:
     """How a table chooses the cells that it shows."""
 
     against: tuple[str, ...]
@@ -27,9 +27,9 @@ class Setting:
 
 
 SETTINGS = {
-    "table3": Setting(("neat",), "final_best", paper_table=3),
-    "table4": Setting(("neat_wo",), "final_best", paper_table=4),
-    "score": Setting(("neat", "neat_wo"), "score", paper_table=None),
+    "table3": CellChoice(("neat",), "final_best", paper_table=3),
+    "table4": CellChoice(("neat_wo",), "final_best", paper_table=4),
+    "score": CellChoice(("neat", "neat_wo"), "score", paper_table=None),
 }
 """Tables 1, 3 and 5; Tables 4 and 7; Tables 2, 6 and 8."""
 

@@ -38,7 +38,7 @@ FITNESS, SCORE, HELD_OUT = OUTCOMES = "final fitness", "SCORE", "held-out return
 """What methods are compared by."""
 
 
-class Comparison(NamedTuple):
+class Family(NamedTuple):
     """Each rule, and NEAT (w/o) unless it is the other side, against a method on each task."""
 
     outcome: str
@@ -56,12 +56,12 @@ class Comparison(NamedTuple):
 
 
 COMPARISONS = (
-    Comparison(FITNESS, "table3", "final_best", "neat", True, 5),
-    Comparison(SCORE, "score", "score", "neat", True, 6),
-    Comparison(HELD_OUT, "table3", "held_out", "neat", False),
-    Comparison(FITNESS, "table4", "final_best", ABLATION, True),
-    Comparison(SCORE, "score", "score", ABLATION, True),
-    Comparison(HELD_OUT, "table4", "held_out", ABLATION, False),
+    Family(FITNESS, "table3", "final_best", "neat", True, 5),
+    Family(SCORE, "score", "score", "neat", True, 6),
+    Family(HELD_OUT, "table3", "held_out", "neat", False),
+    Family(FITNESS, "table4", "final_best", ABLATION, True),
+    Family(SCORE, "score", "score", ABLATION, True),
+    Family(HELD_OUT, "table4", "held_out", ABLATION, False),
 )
 """Four of three rules on four tasks make the declared family of 48 tests."""
 SOLVED = {"cartpole": 475.0, "lunar_lander": 200.0, "hopper": 3800.0, "bipedal_walker": 300.0}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from neol.study.campaign.grid import REFERENCE
 from neol.study.outcomes.statistics import paper_statistic
 
-SEEDS = 30
+PAPER_SEEDS = 30
 """Of each method in the paper."""
 
 _TWO_SIDED = (
@@ -74,8 +74,8 @@ def paper_a12(table: int, task: str, method: str) -> float:
     NaN where the table has none, or its p-value is not that of exactly one U.
     """
     p, _ = values(table).get((task, f"{method}_vs_neat"), (math.nan, None))
-    u = paper_statistic(p, digits=4 if table == 5 else 3, seeds=SEEDS)
-    return math.nan if u is None else u / SEEDS**2
+    u = paper_statistic(p, digits=4 if table == 5 else 3, seeds=PAPER_SEEDS)
+    return math.nan if u is None else u / PAPER_SEEDS**2
 
 
 def settings(table: int) -> dict[tuple[str, str], tuple[int, float | None]]:

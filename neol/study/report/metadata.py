@@ -23,7 +23,7 @@ class Paper(Model):
     authors: list[str]
 
 
-class Metadata(Model):
+class ProjectMetadata(Model):
     """The project, as others should name it."""
 
     title: str
@@ -36,18 +36,18 @@ class Metadata(Model):
     paper: Paper
 
 
-def metadata(root: Path = ROOT) -> Metadata:
+def metadata(root: Path = ROOT) -> ProjectMetadata:
     """What a checkout's pyproject.toml says."""
     content = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
     project = content["project"]
-    return Metadata(
+    return ProjectMetadata(
         **{key: project[key] for key in ("description", "version", "license", "keywords")},
         authors=[author["name"] for author in project["authors"]],
         **content["tool"]["neol"],
     )
 
 
-def citation(project: Metadata) -> str:
+def citation(project: ProjectMetadata) -> str:
     """The content of CITATION.cff (Citation File Format 1.2.0)."""
     content: dict[str, Any] = {
         "cff-version": "1.2.0",

@@ -34,7 +34,7 @@ from neol.study.tables.table import Table, latex_entry
 
 TABLES = range(1, 9)
 """The paper's."""
-TOGETHER = {"fitness": (1, 3, 4, 5, 7), "score": (2, 6, 8)}
+TABLES_TOGETHER = {"fitness": (1, 3, 4, 5, 7), "score": (2, 6, 8)}
 """Which of them each of the text's own tables puts together."""
 
 _DEFINITIONS = r"""
@@ -57,7 +57,7 @@ def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
     tables = {number: vouched_table(campaign, figures, number)[0] for number in TABLES}
     for table in tables.values():
         found |= dict(_printed(table))
-    for name, together in TOGETHER.items():
+    for name, together in TABLES_TOGETHER.items():
         found[f"{name}/notes"] = _notes([tables[number] for number in together])
     found |= dict(_of_costs(costs(campaign)))
     found |= _of_claims(vouched_frame(figures / "claims.csv"))

@@ -17,7 +17,7 @@ from neol.study.outcomes.chosen_cells import SETTINGS, candidates
 from neol.study.outcomes.statistics import ALPHA, Floats, rank_sum, superiority
 from neol.study.output.captions import describe_budget, describe_samples
 from neol.study.tables import formats
-from neol.study.tables.summary import Comparison, OwnSummary, Summary, compare
+from neol.study.tables.summary import OursAndPapers, OwnSummary, Summary, compare
 from neol.study.tables.table import Entry, Line, Table
 
 CHOSEN_OF_FOUR = 0.14
@@ -253,7 +253,7 @@ def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
     ]
 
 
-def _flat(comparison: Comparison) -> dict[str, object]:
+def _flat(comparison: OursAndPapers) -> dict[str, object]:
     return {
         "task": comparison.task,
         "method": comparison.method,

@@ -37,7 +37,7 @@ class OwnSummary(Summary):
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class OursAndPapers:
     """A method on a task, here and in the paper."""
 
     task: str
@@ -48,7 +48,7 @@ class Comparison:
 
 def compare(
     campaign: Campaign, setting: str, table: int, methods: Sequence[str]
-) -> list[Comparison]:
+) -> list[OursAndPapers]:
     """The content of a table of means: each of the budget's tasks with each method.
 
     The setting chooses the cells and what is averaged; `table` has the paper's values.
@@ -65,12 +65,12 @@ def compare(
         for i, method in enumerate(methods):
             own = replace(here[i], rank=own_ranks[i])
             comparisons.append(
-                Comparison(task, method, own, replace(paper[i], rank=paper_ranks[i]))
+                OursAndPapers(task, method, own, replace(paper[i], rank=paper_ranks[i]))
             )
     return comparisons
 
 
-def best_fitness(campaign: Campaign) -> list[Comparison]:
+def best_fitness(campaign: Campaign) -> list[OursAndPapers]:
     """The content of Table 1 (and of Table 3)."""
     return compare(
         campaign,

@@ -30,7 +30,7 @@ Rows = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class Problem:
     """Something wrong, in one line: where, which values, what it means."""
 
     path: Path
@@ -54,7 +54,7 @@ class Checked:
     path: Path
     seeds: tuple[int, ...]
     """Of its runs; none where it cannot be used."""
-    findings: tuple[Finding, ...]
+    findings: tuple[Problem, ...]
 
 
 class Verification:
@@ -84,15 +84,15 @@ class Verification:
         for path in self.records:
             yield self._check(path)
 
-    def manifest_findings(self) -> Iterator[Finding]:
+    def manifest_findings(self) -> Iterator[Problem]:
         """What is wrong with manifests: damaged, naming what is not there, or less than all."""
         folders = {f.folder: f for root in self._roots for f in self._folders.around(root)}
         for folder in folders.values():
             if folder.damage:
-                yield Finding(self._as_given(folder.folder / manifest.NAME), folder.damage)
+                yield Problem(self._as_given(folder.folder / manifest.NAME), folder.damage)
             for path, meaning in folder.missing(self.records):
                 if any(root in (path, *path.parents) for root in self._roots):
-                    yield Finding(self._as_given(path), meaning)
+                    yield Problem(self._as_given(path), meaning)
 
     def notes(self) -> Iterator[str]:
         """After the check: how much of its budgets is there, and what no manifest vouches for."""
@@ -108,11 +108,11 @@ class Verification:
             content = read_bounded(path, MAX_BYTES)
             record = parse_record(path, content)
         except UserError as error:
-            return Checked(shown, (), (Finding(shown, str(error).removeprefix(f"{path}: ")),))
+            return Checked(shown, (), (Problem(shown, str(error).removeprefix(f"{path}: ")),))
         findings = [finding for info in record.seeds for finding in _check_run(shown, record, info)]
         if folder := self._folders.above(path):
             problems = folder.problems(path, content, record)
-            findings += [Finding(shown, problem) for problem in problems]
+            findings += [Problem(shown, problem) for problem in problems]
         if record.budget is not None:
             tails = {"/".join(path.parts[first:]) for first in range(1, len(path.parts))}
             jobs = self._budgets.jobs(record.budget)
@@ -129,7 +129,7 @@ class Verification:
         return path
 
 
-def _check_run(path: Path, record: Record, info: SeedInfo) -> Iterator[Finding]:
+def _check_run(path: Path, record: Record, info: SeedInfo) -> Iterator[Problem]:
     """What no run can have come to, sealed or not."""
     rows = record.rows_of(info.seed)
     environment = record.spec.task.environment
@@ -137,19 +137,19 @@ def _check_run(path: Path, record: Record, info: SeedInfo) -> Iterator[Finding]:
     if size and size != (info.inputs, info.outputs):
         values = f"{info.inputs} inputs, {info.outputs} outputs"
         meaning = f"{environment} has {size[0]} and {size[1]}: edited"
-        yield Finding(path, meaning, info.seed, values=values)
+        yield Problem(path, meaning, info.seed, values=values)
     for column, possible, meaning in _possible(rows, record.spec, info):
         if not possible.all():
             first = int(np.argmin(possible))
             value = repr(rows[column][first].item())
-            yield Finding(path, f"{meaning}: edited", info.seed, first + 1, column, value)
+            yield Problem(path, f"{meaning}: edited", info.seed, first + 1, column, value)
     stored = info.held_out
     right = HeldOut.of(np.array([np.nan if r is None else r for r in stored.returns]))
     for column in ("mean", "sd"):
         values = f"{getattr(stored, column)!r} stored, {getattr(right, column)!r} right"
         if getattr(stored, column) != getattr(right, column):
             meaning = "does not follow from the returns: edited"
-            yield Finding(path, meaning, info.seed, None, f"held_out.{column}", values)
+            yield Problem(path, meaning, info.seed, None, f"held_out.{column}", values)
 
 
 def _possible(rows: Rows, spec: RunSpec, info: SeedInfo) -> Iterator[tuple[str, Any, str]]:

@@ -36,7 +36,7 @@ def _below(path: str) -> str:
 Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
-class Entry(Model):
+class ManifestEntry(Model):
     """What the manifest says of one record."""
 
     path: Annotated[str, AfterValidator(_below)]
@@ -69,7 +69,7 @@ class Manifest(Model):
     """That all of them belong to."""
     tasks: tuple[str, ...] = ()
     """Those of the budget's that it speaks for; none where it speaks for all."""
-    records: tuple[Entry, ...]
+    records: tuple[ManifestEntry, ...]
     """By path."""
 
     def covers(self, job: Job) -> bool:
@@ -131,14 +131,14 @@ def read_manifest(folder: Path) -> Manifest:
     return manifest
 
 
-def _entries(folder: Path) -> tuple[str | None, tuple[Entry, ...]]:
+def _entries(folder: Path) -> tuple[str | None, tuple[ManifestEntry, ...]]:
     """The budget of the records below a folder, and their entries. Raises UserError for several."""
-    entries: list[Entry] = []
+    entries: list[ManifestEntry] = []
     firsts: dict[str | None, Path] = {}
     for path in records_below(folder):
         content = read_bounded(path, MAX_RECORD_BYTES)
         record = parse_record(path, content)
-        entries.append(Entry.of(path.relative_to(folder).as_posix(), content, record))
+        entries.append(ManifestEntry.of(path.relative_to(folder).as_posix(), content, record))
         firsts.setdefault(record.budget, path)
     if not entries:
         raise UserError(f"{folder}: holds no records")
@@ -201,7 +201,7 @@ class ManifestFolder:
         """What is wrong with the place here of a record, read from this content."""
         if self.damage:
             return
-        now = Entry.of(path.relative_to(self.folder).as_posix(), content, record)
+        now = ManifestEntry.of(path.relative_to(self.folder).as_posix(), content, record)
         entry = self._entries.get(now.path)
         if entry is None:
             twin = [other.path for other in self._entries.values() if other.sha256 == now.sha256]
@@ -234,7 +234,7 @@ class ManifestFolder:
         must = jobs if self._entries.keys() & (jobs.keys() - cells) else cells
         return (name for name in must if self._manifest.covers(jobs[name]))
 
-    def _misplaced(self, record: Record, entry: Entry) -> Iterator[str]:
+    def _misplaced(self, record: Record, entry: ManifestEntry) -> Iterator[str]:
         """Whether it is the record that its budget has in this place."""
         jobs = self._budgets.jobs(self.budget)
         if record.budget != self.budget:

@@ -21,7 +21,7 @@ from neol.run.evolution import COLUMNS, Evolution
 from neol.run.provenance import Provenance, provenance
 from neol.run.record import Champion, HeldOut, Record, SeedInfo
 from neol.run.record_file import read_record
-from neol.study.verification.check import ROUNDING, Finding
+from neol.study.verification.check import ROUNDING, Problem
 
 Run = tuple[Path, int]
 """A record and one of its seeds."""
@@ -128,14 +128,14 @@ def _compare(generation: int | None, column: str, old: object, new: object) -> l
 # --- What a difference means --------------------------------------------------------------------
 
 
-def findings(replays: Sequence[Replay]) -> Iterator[Finding]:
+def findings(replays: Sequence[Replay]) -> Iterator[Problem]:
     """The first difference of each replay, and what it means."""
     for each in replays:
         if each.differences:
             first = each.differences[0]
             path, seed = each.run
             values = f"{_short(first.stored)} stored, {_short(first.replayed)} replayed"
-            yield Finding(path, _meaning(each), seed, first.generation, first.column, values)
+            yield Problem(path, _meaning(each), seed, first.generation, first.column, values)
 
 
 def _meaning(this: Replay) -> str:

@@ -7,7 +7,7 @@ import pytest
 from neol.base.errors import UserError
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.shown import (
-    SHOWN_BUDGET,
+    DEFAULT_BUDGET,
     chosen_tasks,
     figures_folder,
     folder,
@@ -41,10 +41,10 @@ def test_only_tasks_differ() -> None:
 
 def test_the_shown_budget_has_the_folder_itself() -> None:
     shown = select().budget
-    assert shown.name == SHOWN_BUDGET
+    assert shown.name == DEFAULT_BUDGET
     assert figures_folder(shown) == Path("figures")
     some = select(tasks="cartpole").budget
-    assert figures_folder(some) == Path(f"figures/{SHOWN_BUDGET}-cartpole")
+    assert figures_folder(some) == Path(f"figures/{DEFAULT_BUDGET}-cartpole")
 
 
 @pytest.mark.parametrize(

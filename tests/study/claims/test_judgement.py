@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from neol.study.claims.judgement import Judgement, Rule, by_interval, by_rank_sum, by_share
+from neol.study.claims.judgement import DecisionRule, Judgement, by_interval, by_rank_sum, by_share
 from neol.study.outcomes.statistics import mean_difference, seeds_needed
 from tests.helpers.claimed import around
 
 
-def judged(rule: Rule, *means: float, alpha: float = 0.05) -> Judgement:
+def judged(rule: DecisionRule, *means: float, alpha: float = 0.05) -> Judgement:
     """Of samples around these means."""
     samples = [np.array(around(mean)) for mean in means]
     return rule(samples, np.random.default_rng(0), alpha)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from neol.pictures.labels import TASKS
+from neol.pictures.labels import TASK_LABELS
 from neol.study.claims.claims import decide, load_claims
 from neol.study.claims.ledger import write_ledger
 from neol.study.outcomes.campaign_runs import Campaign
@@ -22,7 +22,7 @@ from tests.helpers.made_up import configuration, write_campaign
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
     """All four tasks; every run ends at 7."""
     results = tmp_path_factory.mktemp("results")
-    budget = configuration(tasks=tuple(TASKS), seeds=5)
+    budget = configuration(tasks=tuple(TASK_LABELS), seeds=5)
     write_campaign(results, budget, {}, otherwise=7.0)
     return Campaign(budget, results)
 

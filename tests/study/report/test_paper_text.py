@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from neol.base.errors import UserError
-from neol.pictures.labels import TASKS
+from neol.pictures.labels import TASK_LABELS
 from neol.spec.configuration import ROOT
 from neol.study.campaign.grid import cells
 from neol.study.outcomes.campaign_runs import Campaign, costs
@@ -29,7 +29,7 @@ def names() -> set[str]:
     return {
         name.replace("#1", task)
         for name in found
-        for task in TASKS
+        for task in TASK_LABELS
         if not re.search(r"#2|^#1/", name)
     }
 
@@ -58,7 +58,7 @@ def test_costs_add_up(campaign: Campaign) -> None:
     runs = len(cells(campaign.configuration)) * campaign.configuration.budget.seeds
     assert spent.loc["all", "runs"] == runs
     assert spent.loc["hopper", "runs"] == runs / 4
-    assert list(spent.index) == [*TASKS, "all"]
+    assert list(spent.index) == [*TASK_LABELS, "all"]
     by_hand = sum(
         cell.population * campaign.configuration.budget.generations_of("hopper")
         for cell in cells(campaign.configuration)

@@ -15,7 +15,7 @@ from neol.run.runner import run_block
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS, blocks, run_specs
 from neol.study.campaign.jobs import Job, jobs
-from neol.study.verification.manifest import NAME, Entry, write_manifest
+from neol.study.verification.manifest import NAME, ManifestEntry, write_manifest
 
 MADE_BY = Provenance(
     versions=dict.fromkeys(("python", "numpy", "numba", "neol"), "1.0"),
@@ -76,7 +76,7 @@ def update_manifest(folder: Path, *, add: str = "") -> None:
     for entry in content["records"]:
         record = folder / entry["path"]
         try:
-            new = Entry.of(entry["path"], record.read_bytes(), read_record(record))
+            new = ManifestEntry.of(entry["path"], record.read_bytes(), read_record(record))
             entry |= new.model_dump(mode="json")
         except UserError:
             entry["sha256"] = hashlib.sha256(record.read_bytes()).hexdigest()
