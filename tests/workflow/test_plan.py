@@ -90,7 +90,10 @@ def test_tables_of_some_tasks_say_so(clone: Path) -> None:
     assert "Budget demo, CartPole only: G = 60" in (clone / target).read_text()
     assert f"made by  snakemake {target} {' '.join(options)}" in trace(clone / target, clone)
     assert planned(clone, target, *options) == {}
-    for source, anew in (("analysis/style.py", {}), ("campaign.py", {"tables_notebook": 1})):
+    for source, anew in (
+        ("pictures/style.py", {}),
+        ("study/campaign/grid.py", {"tables_notebook": 1}),
+    ):
         with edited(clone / "neol" / source, '"""\n', '"""\n# other code\n'):
             assert planned(clone, target, *options) == anew
 
