@@ -18,6 +18,7 @@ import sys
 import tarfile
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import gymnasium
@@ -28,11 +29,13 @@ from neol.base.files import cache_folder, write_atomically
 from neol.random.pcg64 import seed_pcg64
 from neol.rollout.worlds.box2d.library import FLAGS, FOLDER, LIBRARY, LOCK, TASKS, load, stamp
 
+COMPILER_FAILED = "the C++ compiler failed"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion")
 SANITIZE = (
     "-std=c++17",
     "-Og",
     "-g1",
+    "-fno-access-control",
     "-fsanitize=address,undefined",
     "-fno-sanitize=null,vptr",  # of these the first crashes anyway; both compile slowly
     "-fno-sanitize-recover=all",
@@ -76,7 +79,8 @@ def fetch_source(folder: Path) -> Path:
 def compile_core(flags: Sequence[str], output: Path, *extra_sources: Path) -> None:
     """Compile the core and all of Box2D, the latter as one unit and as a system's header.
 
-    A header in stub/ is in place of Box2D's own, and of the unit of its name.
+    A header in stub/ is in place of Box2D's own, and of the unit of its name. `flags` are the
+    compiler's and the linker's.
     """
     compiler = find_compiler()
     with tempfile.TemporaryDirectory() as name:
@@ -87,11 +91,19 @@ def compile_core(flags: Sequence[str], output: Path, *extra_sources: Path) -> No
         units = [unit for unit in units if not (stub / unit).with_suffix(".h").exists()]
         box2d = folder / "box2d.cpp"
         box2d.write_text("".join(f"#include <{unit.as_posix()}>\n" for unit in units))
-        headers = ["-isystem", str(stub), "-isystem", str(source)]
-        sources = [str(path) for path in (FOLDER / "core.cpp", *extra_sources, box2d)]
+        headers = ["-I", str(FOLDER), "-isystem", str(stub), "-isystem", str(source)]
         definition = f'-DNEOL_STAMP="{stamp()}"'
-        command = [*compiler, *flags, *WARNINGS, definition, *headers, *sources, "-o", str(output)]
-        _run(command, "the C++ compiler failed")
+        command = [*compiler, *flags, *headers, definition]
+
+        def compile_unit(unit: Path) -> Path:
+            result = folder / f"{unit.stem}.o"
+            warnings = ("-w",) if unit == box2d else WARNINGS
+            _run([*command, *warnings, "-c", str(unit), "-o", str(result)], COMPILER_FAILED)
+            return result
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            objects = list(pool.map(compile_unit, [box2d, *FOLDER.glob("*.cpp"), *extra_sources]))
+        _run([*compiler, *flags, *map(str, objects), "-o", str(output)], COMPILER_FAILED)
 
 
 def build() -> bool:

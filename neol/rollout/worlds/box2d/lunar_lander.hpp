@@ -11,7 +11,7 @@ namespace neol {
 class LunarLander final : public Simulation {
  public:
   // The action is one number: 0 nothing, 1 left engine, 2 main engine, 3 right engine.
-  void advance(const float* action) override {
+  void act(const float* action) override {
     const double angle = lander->GetAngle();
     const Point tip{std::sin(angle), std::cos(angle)};
     const Point side{-tip.y, tip.x};
@@ -32,7 +32,37 @@ class LunarLander final : public Simulation {
            {position.x + offset.x - tip.x * 17 / scale,
             position.y + offset.y + tip.y * side_engine_height / scale});
     }
-    advance_world();
+  }
+
+  bool observe(const float* action, double* observation, double* reward) override {
+    const b2Vec2 position = lander->GetPosition();
+    const b2Vec2 velocity = lander->GetLinearVelocity();
+    const double state[8] = {
+        (position.x - viewport_width / 2) / (viewport_width / 2),
+        (position.y - (helipad_y + leg_down / scale)) / (viewport_height / 2),
+        velocity.x * (viewport_width / 2) / frames_per_second,
+        velocity.y * (viewport_height / 2) / frames_per_second,
+        lander->GetAngle(),
+        20.0 * lander->GetAngularVelocity() / frames_per_second,
+        contacts.grounded[0] ? 1.0 : 0.0,
+        contacts.grounded[1] ? 1.0 : 0.0,
+    };
+    write(state, observation);
+
+    const double shaping = -100 * std::sqrt(state[0] * state[0] + state[1] * state[1]) -
+                           100 * std::sqrt(state[2] * state[2] + state[3] * state[3]) -
+                           100 * std::abs(state[4]) + 10 * state[6] + 10 * state[7];
+    *reward = gain(shaping);
+    if (*action == 2)
+      *reward -= 0.30;
+    else if (*action != 0)
+      *reward -= 0.03;
+
+    const bool lost = contacts.crashed || std::abs(state[0]) >= 1.0;
+    const bool landed = !lander->IsAwake();
+    if (lost) *reward = -100;
+    if (landed) *reward = +100;
+    return lost || landed;
   }
 
  private:
@@ -86,37 +116,6 @@ class LunarLander final : public Simulation {
 
   void push(Point offset, double power, Point where) {
     lander->ApplyLinearImpulse(Point{-offset.x * power, -offset.y * power}, where, true);
-  }
-
-  bool observe(const float* action, double* observation, double* reward) override {
-    const b2Vec2 position = lander->GetPosition();
-    const b2Vec2 velocity = lander->GetLinearVelocity();
-    const double state[8] = {
-        (position.x - viewport_width / 2) / (viewport_width / 2),
-        (position.y - (helipad_y + leg_down / scale)) / (viewport_height / 2),
-        velocity.x * (viewport_width / 2) / frames_per_second,
-        velocity.y * (viewport_height / 2) / frames_per_second,
-        lander->GetAngle(),
-        20.0 * lander->GetAngularVelocity() / frames_per_second,
-        contacts.grounded[0] ? 1.0 : 0.0,
-        contacts.grounded[1] ? 1.0 : 0.0,
-    };
-    write(state, observation);
-
-    const double shaping = -100 * std::sqrt(state[0] * state[0] + state[1] * state[1]) -
-                           100 * std::sqrt(state[2] * state[2] + state[3] * state[3]) -
-                           100 * std::abs(state[4]) + 10 * state[6] + 10 * state[7];
-    *reward = gain(shaping);
-    if (*action == 2)
-      *reward -= 0.30;
-    else if (*action != 0)
-      *reward -= 0.03;
-
-    const bool lost = contacts.crashed || std::abs(state[0]) >= 1.0;
-    const bool landed = !lander->IsAwake();
-    if (lost) *reward = -100;
-    if (landed) *reward = +100;
-    return lost || landed;
   }
 
   b2Body* lander = nullptr;

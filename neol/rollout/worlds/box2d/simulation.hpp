@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "pcg64.hpp"
+#include "time_step.hpp"
 
 namespace neol {
 
@@ -54,6 +55,8 @@ class Simulation {
     previous_shaping.reset();
     random = stream;
     build();
+    time_step.attach(world.get());
+    failed = false;
     constexpr float idle[4] = {};
     double reward;
     step(idle, observation, &reward);
@@ -66,16 +69,32 @@ class Simulation {
   }
 
   // The physics of a step: forces of the action, the world's time step, ray casts of the sensors.
-  virtual void advance(const float* action) = 0;
+  void advance(const float* action) {
+    act(action);
+    world->Step(seconds, velocity_iterations, position_iterations);
+    time_step.note_plain_step();
+    sense_plainly();
+  }
+
+  virtual void act(const float* action) = 0;
+  virtual void sense() {}
+  virtual void sense_plainly() {}
+
+  virtual bool observe(const float* action, double* observation, double* reward) = 0;
 
   // Forgets a world in which Box2D has failed an assertion: its destructor would fail another.
   void abandon() { static_cast<void>(world.release()); }
 
+  static constexpr float seconds = static_cast<float>(1 / frames_per_second);
+  static constexpr int position_iterations = 2 * 30;
+  int velocity_iterations = 6 * 30;
+
+  std::unique_ptr<b2World> world;
+  TimeStep time_step;   // which takes a step where `advance` does not
+  bool failed = false;  // an assertion of Box2D, since the last reset
+
  protected:
   virtual void build() = 0;
-  virtual bool observe(const float* action, double* observation, double* reward) = 0;
-
-  void advance_world() { world->Step(static_cast<float>(1 / frames_per_second), 6 * 30, 2 * 30); }
 
   b2Body* add_ground() {
     const b2BodyDef definition;
@@ -160,7 +179,6 @@ class Simulation {
 
   static constexpr std::uint16_t ground = 0x0001, part = 0x0020;  // collision categories
 
-  std::unique_ptr<b2World> world;
   Contacts contacts;
   std::optional<double> previous_shaping;
   Pcg64 random;

@@ -1,0 +1,46 @@
+// A world's time step, b2World::Step, in two halves: what comes before the velocity iterations of
+// its island, and what comes after. It is taken as Box2D takes it, but for three things: the
+// island's solver is ours (island.hpp), nothing walks over the bodies of the ground, of which there
+// are two hundred, and iterations that only repeat are not made.
+//
+// All of this needs the private members of Box2D's classes, so the core is compiled without access
+// control (FLAGS in library.py).
+#pragma once
+
+#include "island.hpp"
+
+namespace neol {
+
+class TimeStep {
+ public:
+  // A new world: its moving parts come first in the list of its bodies, then the ground.
+  void attach(b2World* world);
+
+  // Up to the velocity iterations. Whether they are to be made in `island`: else `finish` leaves
+  // all of the solving to Box2D.
+  bool begin(float seconds, int velocity_iterations, int position_iterations);
+  void finish();
+
+  // Box2D itself has taken a step, which leaves times of impact with the ground.
+  void note_plain_step() { ground_is_reset_ = false; }
+
+  Island island;
+
+ private:
+  void synchronize_fixtures();
+  void solve_impacts();
+  bool update_impact(b2Contact* contact);
+  void solve_impact(b2Contact* contact, float fraction);
+
+  b2World* world_ = nullptr;
+  b2TimeStep step_;
+  bool ordinary_ = false;
+  bool ground_is_reset_ = false;
+};
+
+// The velocity iterations of one world, until they repeat: the state of all that they read has then
+// come back, bit for bit, so what they did since will recur. Only the impulses of hinges go on
+// adding up, and those additions are made, each in its turn.
+void iterate(Island& island, int iterations);
+
+}  // namespace neol
