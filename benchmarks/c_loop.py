@@ -36,7 +36,7 @@ def play_back(recording: Recording, rule: str) -> npt.NDArray[np.float64]:
         return ctypes.c_void_p(array.ctypes.data)
 
     arguments = (
-        ctypes.c_int64(len(networks)),
+        ctypes.c_int64(networks.population),
         pointer(networks.node_offset),
         pointer(networks.bias),
         pointer(networks.edge_offset),

@@ -65,9 +65,9 @@ def large(spec: RunSpec, size: tuple[int, int], population: int) -> Networks:
 
 def recording_of(spec: RunSpec, engine: Engine, networks: Networks, steps: int) -> Recording:
     """Episodes of these networks, one each, over and over until there are about so many steps."""
-    seeds = episode_seeds(spec.seed, 1, len(networks), 1)
+    seeds = episode_seeds(spec.seed, 1, networks.population, 1)
     once = int(engine.evaluate(networks, seeds, spec.plasticity).steps.sum())
-    count = max(1, round(steps / once * len(networks)))
+    count = max(1, round(steps / once * networks.population))
     repeated = _cycle(networks, count)
     return record(
         spec.task, engine, repeated, episode_seeds(spec.seed, 2, count, 1), spec.plasticity
@@ -76,7 +76,7 @@ def recording_of(spec: RunSpec, engine: Engine, networks: Networks, steps: int) 
 
 def _cycle(networks: Networks, count: int) -> Networks:
     """The first `count` networks of the batch, begun anew when it ends."""
-    rounds, rest = divmod(count, len(networks))
+    rounds, rest = divmod(count, networks.population)
     return join([networks] * rounds + [networks.slice(0, rest)] * (rest > 0))
 
 

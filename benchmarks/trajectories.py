@@ -18,11 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.base.c_calls import call_void
-from neol.base.kernel import kernel
+from neol.base.kernel import kernel, loop_kernel
 from neol.network.forward import Networks
 from neol.random.pcg64 import State, seed_pcg64
 from neol.rollout.engine import Engine, Rollouts
-from neol.rollout.episodes import Batch, play_batch
+from neol.rollout.episodes import Batch, Slots, play_batch
 from neol.rollout.fast import FastEngine
 from neol.rollout.reference import make_environment
 from neol.rollout.worlds.box2d import library as box2d
@@ -33,7 +33,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Recorder(NamedTuple):
-    """A world that passes everything on to another one and keeps it."""
+    """A world of one slot that passes everything on to another one and keeps it."""
 
     world: Any
     row: npt.NDArray[np.int64]
@@ -47,54 +47,67 @@ class Recorder(NamedTuple):
     ended: npt.NDArray[np.bool_]
     """bool[rows]: whether it ended the episode."""
 
-    @kernel
-    def reset(self, random: State, observation: Array) -> None:
-        self.world.reset(random, observation)
-        self.observation[self.row[0]] = observation
+    @loop_kernel
+    def reset(self, slot: int, random: State, observation: Array) -> None:
+        self.world.reset(slot, random, observation)
+        self.observation[self.row[0]] = observation[slot]
         self.row[0] += 1
 
-    @kernel
-    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
+    @loop_kernel
+    def step(
+        self,
+        playing: npt.NDArray[np.int64],
+        outputs: Array,
+        observation: Array,
+        reward: Array,
+        ended: npt.NDArray[np.bool_],
+    ) -> None:
+        self.world.step(playing, outputs, observation, reward, ended)
         row = self.row[0]
-        self.output[row] = outputs
-        reward, ended = self.world.step(outputs, observation)
-        self.observation[row], self.reward[row], self.ended[row] = observation, reward, ended
+        self.output[row], self.observation[row] = outputs[0], observation[0]
+        self.reward[row], self.ended[row] = reward[0], ended[0]
         self.row[0] += 1
-        return reward, ended
 
-    @kernel
-    def play(self, batch: Batch, begin: int, end: int) -> None:
-        """Let networks begin to end of a batch play their episodes here."""
-        play_batch(self, batch, begin, end)
+    @loop_kernel
+    def play(self, batch: Batch, slots: Slots) -> None:
+        """Let the networks of a batch play their episodes here."""
+        play_batch(self, batch, slots)
 
 
 class Playback(NamedTuple):
-    """A world that gives recorded observations and rewards, whatever the network does."""
+    """A world of one slot that gives recorded observations and rewards to any network."""
 
     row: npt.NDArray[np.int64]
     observation: Array
     reward: Array
     ended: npt.NDArray[np.bool_]
 
-    @kernel
-    def reset(self, random: State, observation: Array) -> None:
+    @loop_kernel
+    def reset(self, slot: int, random: State, observation: Array) -> None:
         row = self.row[0]
-        for i in range(len(observation)):
-            observation[i] = self.observation[row, i]
+        for i in range(observation.shape[1]):
+            observation[slot, i] = self.observation[row, i]
         self.row[0] = row + 1
 
-    @kernel
-    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
+    @loop_kernel
+    def step(
+        self,
+        playing: npt.NDArray[np.int64],
+        outputs: Array,
+        observation: Array,
+        reward: Array,
+        ended: npt.NDArray[np.bool_],
+    ) -> None:
         row = self.row[0]
-        for i in range(len(observation)):
-            observation[i] = self.observation[row, i]
+        for i in range(observation.shape[1]):
+            observation[0, i] = self.observation[row, i]
+        reward[0], ended[0] = self.reward[row], self.ended[row]
         self.row[0] = row + 1
-        return self.reward[row], self.ended[row]
 
-    @kernel
-    def play(self, batch: Batch, begin: int, end: int) -> None:
-        """Let networks begin to end of a batch play their episodes here."""
-        play_batch(self, batch, begin, end)
+    @loop_kernel
+    def play(self, batch: Batch, slots: Slots) -> None:
+        """Let the networks of a batch play their episodes here."""
+        play_batch(self, batch, slots)
 
 
 @dataclass(frozen=True)
@@ -125,7 +138,7 @@ class Recording:
         """An engine for these networks in which the world costs nothing."""
         log = self.log
         world = Playback(np.zeros(1, dtype=np.int64), log.observation, log.reward, log.ended)
-        return FastEngine(lambda: SimpleNamespace(world=world), self.task.max_steps)
+        return FastEngine(lambda: SimpleNamespace(world=world, slots=1), self.task.max_steps)
 
     def play_back(self, rule: str) -> Rollouts:
         """Let the networks play again, learning by a rule, in recorded episodes."""
@@ -155,7 +168,9 @@ def record(
         reward=np.empty(rows),
         ended=np.zeros(rows, dtype=np.bool_),
     )
-    recorder = FastEngine(lambda: SimpleNamespace(world=log, owner=simulation), task.max_steps)
+    recorder = FastEngine(
+        lambda: SimpleNamespace(world=log, slots=1, owner=simulation), task.max_steps
+    )
     again = recorder.evaluate(networks, seeds, plasticity)
     assert again.returns.tolist() == rollouts.returns.tolist()
     return Recording(task, engine, networks, seeds, plasticity, rollouts, log)
@@ -165,18 +180,19 @@ def seconds_of_physics(recording: Recording) -> float:
     """CPU seconds of the physics' own steps under the recorded actions.
 
     LunarLander and BipedalWalker: the core's `neol_physics`, which sets forces and motors, calls
-    b2World::Step and, for the walker, casts its ten rays. Hopper: four mj_step a step.
+    the unmodified b2World::Step and, for the walker, casts its ten rays by b2World::RayCast.
+    Hopper: four mj_step a step.
     CartPole's physics is a handful of additions inside our kernel: there is nothing to step.
     """
     simulation = recording.engine.make_simulation()
     world = simulation.world
     random = np.empty(4, dtype=np.uint64)
-    observation = np.empty(recording.networks.inputs)
+    observation = np.empty((1, recording.networks.inputs))
     seconds = 0.0
     for seed, outputs in recording.episodes():
         replay = _replay(recording.task, world, outputs)
         seed_pcg64(seed, random)
-        world.reset(random, observation)
+        world.reset(0, random, observation)
         start = time.process_time()
         replay()
         seconds += time.process_time() - start
@@ -187,7 +203,7 @@ def seconds_of_resets(recording: Recording) -> float:
     """CPU seconds of our engine's resets: each from its seed to the first observation."""
     simulation = recording.engine.make_simulation()
     start = time.process_time()
-    _reset_all(simulation.world, recording.seeds, np.empty(recording.networks.inputs))
+    _reset_all(simulation.world, recording.seeds, np.empty((1, recording.networks.inputs)))
     return time.process_time() - start
 
 
@@ -196,7 +212,7 @@ def _reset_all(world: Any, seeds: npt.NDArray[np.uint64], observation: Array) ->
     random = np.empty(4, dtype=np.uint64)
     for episode in range(len(seeds)):
         seed_pcg64(seeds[episode, 0], random)
-        world.reset(random, observation)
+        world.reset(0, random, observation)
 
 
 def _replay(task: Task, world: Any, outputs: Array) -> Callable[[], None]:
@@ -210,7 +226,7 @@ def _replay(task: Task, world: Any, outputs: Array) -> Callable[[], None]:
     core = box2d.load()
     assert isinstance(core, ctypes.CDLL)
     steps, width = actions.shape
-    return lambda: core.neol_physics(world.simulation, actions.ctypes.data, width, steps)
+    return lambda: core.neol_physics(world.group, actions.ctypes.data, width, steps)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""How every compiled function of neol is made: one decorator, one cache."""
+"""How every compiled function of neol is made: two decorators, one cache."""
 
 import contextlib
 import hashlib
@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -32,7 +32,23 @@ def kernel(function: Function) -> Function:
     Python to make a returned array or tuple, and where a signal's handler (Ctrl-C) raises in
     there, it crashes.
     """
-    compile_ = numba.njit(cache=True, nogil=True, error_model="numpy")
+    return _compiled(function, in_loop=False)
+
+
+def loop_kernel(function: Function) -> Function:
+    """Compile a function as a `kernel` that allocates no array, for the loop over steps.
+
+    It becomes part of its callers' code, and it counts no references to arrays, which its caller
+    keeps alive. Numba would count them for every array in a NamedTuple, at every use of it: that
+    took half of a CartPole step.
+    """
+    return _compiled(function, in_loop=True)
+
+
+def _compiled(function: Function, in_loop: bool) -> Function:
+    """Both options are always given: one that is not is inherited from a caller in compilation."""
+    options: dict[str, Any] = {"forceinline": in_loop, "_nrt": not in_loop}
+    compile_ = numba.njit(cache=True, nogil=True, error_model="numpy", **options)
     return cast(Function, compile_(function))
 
 

@@ -5,19 +5,18 @@ an engine can evaluate it without touching Python. One network is a batch of one
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from neol.base.kernel import kernel
+from neol.base.kernel import loop_kernel
 
 ACTIVATIONS = {"tanh": 0, "relu": 1, "sigmoid": 2, "identity": 3}
 TANH, RELU, SIGMOID, IDENTITY = ACTIVATIONS.values()
 
 
-@dataclass(frozen=True, slots=True)
-class Networks:
+class Networks(NamedTuple):
     """P feed-forward networks with M computed nodes and E enabled connections in all.
 
     A node is known in its own network by its position: inputs first, then the hidden nodes in
@@ -41,7 +40,9 @@ class Networks:
     weight: npt.NDArray[np.float64]
     """float64[E]."""
 
-    def __len__(self) -> int:
+    @property
+    def population(self) -> int:
+        """P."""
         return len(self.node_offset) - 1
 
     def slice(self, begin: int, end: int) -> "Networks":
@@ -67,7 +68,7 @@ class Networks:
         return bounds
 
 
-@kernel
+@loop_kernel
 def activate(total: float, activation: int) -> float:
     """A node's activity from its clipped sum."""
     if activation == TANH:
@@ -79,30 +80,23 @@ def activate(total: float, activation: int) -> float:
     return total
 
 
-@kernel
-def forward(
-    first: int,
-    last: int,
-    bias: npt.NDArray[np.float64],
-    edge_offset: npt.NDArray[np.int64],
-    source: npt.NDArray[np.int64],
-    weight: npt.NDArray[np.float64],
-    inputs: int,
-    outputs: int,
-    activation: int,
-    sum_limit: float,
-    values: npt.NDArray[np.float64],
-) -> None:
-    """Compute the activities of one network, the nodes first..last of a batch, in place.
+@loop_kernel
+def forward(networks: Networks, index: int, values: npt.NDArray[np.float64]) -> None:
+    """Compute the activities of one network of a batch in place.
 
-    `values` is float64[inputs + last - first] and holds the observation in its first `inputs`
-    entries; afterwards its last `outputs` entries are the network's outputs (Section 4.1).
+    `values` is float64 and holds the observation in its first entries, one for each input;
+    afterwards the activities of the network's nodes follow, the outputs last (Section 4.1).
     Unsigned indices spare the inner loop numba's question whether an index counts from the end.
     """
+    edge_offset, source, weight = networks.edge_offset, networks.source, networks.weight
+    limit = networks.sum_limit
+    first, last = networks.node_offset[index], networks.node_offset[index + 1]
     for node in range(first, last):
-        total = bias[node]
+        total = networks.bias[node]
         for edge in range(np.uint64(edge_offset[node]), np.uint64(edge_offset[node + 1])):
             total += weight[edge] * values[np.uint64(source[edge])]
-        total = min(max(total, -sum_limit), sum_limit)
-        is_output = node >= last - outputs
-        values[inputs + node - first] = activate(total, TANH if is_output else activation)
+        total = min(max(total, -limit), limit)
+        is_output = node >= last - networks.outputs
+        values[networks.inputs + node - first] = activate(
+            total, TANH if is_output else networks.activation
+        )

@@ -6,7 +6,7 @@ compiled for each rule apart and called by its address, so kernels are the same 
 
 import math
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -16,7 +16,8 @@ from numba.extending import register_jitable
 
 from neol.base.c_calls import call_int
 from neol.base.errors import UserError
-from neol.base.kernel import kernel
+from neol.base.kernel import loop_kernel
+from neol.network.forward import Networks
 from neol.network.rules import NO_RULE, Rule, find_rule
 
 _INTEGERS: Any = types.CPointer(types.int64)  # type: ignore[no-untyped-call]
@@ -27,44 +28,50 @@ _SIGNATURE = types.int32(
     *(types.int64, types.float64, types.float64, types.float64),  # inputs, gate, rate, limit
     _FLOATS,  # values
 )
-"""Of a compiled loop: the arguments of `learn` without the rule."""
+"""Of a compiled loop: what `learn` passes on, piece by piece as C has it."""
 
 
-@kernel
+class Learning(NamedTuple):
+    """How the networks of a batch learn; its numbers are those of a run's specification."""
+
+    rule: int
+    """What `compiled` gives."""
+    rate: float
+    """eta * beta."""
+    threshold_rate: float
+    """alpha."""
+    weight_limit: float
+    threshold: npt.NDArray[np.float64]
+    """float64[M]: of each node; changes as the networks learn."""
+
+
+@loop_kernel
 def learn(
-    first: int,
-    last: int,
-    edge_offset: npt.NDArray[np.int64],
-    source: npt.NDArray[np.int64],
-    weight: npt.NDArray[np.float64],
-    threshold: npt.NDArray[np.float64],
-    inputs: int,
-    rule: int,
-    gate: float,
-    threshold_rate: float,
-    weight_limit: float,
+    networks: Networks,
+    index: int,
+    learning: Learning,
+    reward: float,
     values: npt.NDArray[np.float64],
 ) -> bool:
-    """Let the nodes first..last of a batch learn from one step, in place (Algorithm 2, line 11).
+    """Let one network of a batch learn from one step, in place (Algorithm 2, line 11).
 
-    The network's arrays are those of `neol.network.forward.Networks`; `values` holds the activities
-    of the forward pass that chose the action; `rule` is what `compiled` gives; `gate` is
-    eta * beta * r. Returns whether all weights stayed finite.
+    `values` holds the activities of the forward pass that chose the action. Returns whether all
+    weights stayed finite.
     """
-    if rule == 0:
+    if learning.rule == 0:
         return True
     finite: int = call_int(
-        rule,
-        first,
-        last,
-        edge_offset,
-        source,
-        weight,
-        threshold,
-        inputs,
-        gate,
-        threshold_rate,
-        weight_limit,
+        learning.rule,
+        networks.node_offset[index],
+        networks.node_offset[index + 1],
+        networks.edge_offset,
+        networks.source,
+        networks.weight,
+        learning.threshold,
+        networks.inputs,
+        learning.rate * reward,
+        learning.threshold_rate,
+        learning.weight_limit,
         values,
     )
     return finite != 0

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.network.forward import Networks
+from neol.network.plasticity import Learning, compiled
 from neol.spec.constants import Plasticity
 
 
@@ -24,6 +25,17 @@ class Rollouts:
     """float64[M]: sliding thresholds at the end of the last episode; 0 without a rule."""
     failed: npt.NDArray[np.bool_]
     """bool[P]: an observation, a weight or a sum of rewards was not finite."""
+
+    @classmethod
+    def begin(cls, networks: Networks, seeds: npt.NDArray[np.uint64]) -> "Rollouts":
+        """Before the first step, with weights of their own."""
+        return cls(
+            returns=np.full(seeds.shape, np.nan),
+            steps=np.zeros(seeds.shape, dtype=np.int64),
+            weight=networks.weight.copy(),
+            threshold=np.zeros_like(networks.bias),
+            failed=np.zeros(len(seeds), dtype=np.bool_),
+        )
 
 
 @runtime_checkable
@@ -45,3 +57,14 @@ class Engine(Protocol):
     def close(self) -> None:
         """Release the engine's environments."""
         ...
+
+
+def learning_of(plasticity: Plasticity, threshold: npt.NDArray[np.float64]) -> Learning:
+    """How networks with these thresholds learn. Raises UserError for an unknown rule."""
+    return Learning(
+        rule=compiled(plasticity.rule),
+        rate=plasticity.learning_rate * plasticity.reward_scale,
+        threshold_rate=plasticity.threshold_rate,
+        weight_limit=plasticity.weight_limit,
+        threshold=threshold,
+    )

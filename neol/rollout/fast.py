@@ -1,7 +1,7 @@
 """The fast engine: the paper's tasks in compiled code, with the bits of the reference engine."""
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Protocol
@@ -10,10 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.network.forward import Networks
-from neol.network.plasticity import compiled
 from neol.rollout.engine import Engine, Rollouts
-from neol.rollout.episodes import Batch, World
-from neol.rollout.parallel import portions
+from neol.rollout.episodes import Batch, Slots, World
 from neol.rollout.worlds.box2d import library as box2d
 from neol.spec.constants import Plasticity, Task
 
@@ -23,6 +21,10 @@ class Simulation(Protocol):
 
     @property
     def world(self) -> World: ...
+
+    @property
+    def slots(self) -> int:
+        """How many episodes the world holds at once."""
 
 
 class FastEngine:
@@ -43,55 +45,30 @@ class FastEngine:
     def evaluate(
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
     ) -> Rollouts:
-        rollouts = Rollouts(
-            returns=np.full(seeds.shape, np.nan),
-            steps=np.zeros(seeds.shape, dtype=np.int64),
-            weight=networks.weight.copy(),
-            threshold=np.zeros_like(networks.bias),
-            failed=np.zeros(len(seeds), dtype=np.bool_),
-        )
-        batch = Batch(
-            inputs=networks.inputs,
-            outputs=networks.outputs,
-            activation=networks.activation,
-            sum_limit=networks.sum_limit,
-            node_offset=networks.node_offset,
-            bias=networks.bias,
-            edge_offset=networks.edge_offset,
-            source=networks.source,
-            inherited_weight=networks.weight,
-            max_steps=self._max_steps,
-            rule=compiled(plasticity.rule),
-            rate=plasticity.learning_rate * plasticity.reward_scale,
-            threshold_rate=plasticity.threshold_rate,
-            weight_limit=plasticity.weight_limit,
-            write_back=plasticity.write_back,
-            seeds=seeds,
-            returns=rollouts.returns,
-            steps=rollouts.steps,
-            weight=rollouts.weight,
-            threshold=rollouts.threshold,
-            failed=rollouts.failed,
-        )
-        calls = iter(portions(len(seeds), self._workers))
+        rollouts = Rollouts.begin(networks, seeds)
+        batch = Batch.of(networks, seeds, plasticity, self._max_steps, rollouts)
+        over = threading.Event()
         try:
             others = [
-                self._executor.submit(self._play, batch, calls) for _ in range(self._workers - 1)
+                self._executor.submit(self._play, batch, over) for _ in range(self._workers - 1)
             ]
-            self._play(batch, calls)
+            self._play(batch, over)
             for other in others:
                 other.result()
         finally:
-            for _ in calls:
-                pass  # after Ctrl-C nobody begins another call
+            over.set()  # after Ctrl-C nobody begins another call
         return rollouts
 
-    def _play(self, batch: Batch, calls: Iterator[tuple[int, int]]) -> None:
-        """Play in this thread; whoever is free takes the next of the calls that all share."""
+    def _play(self, batch: Batch, over: threading.Event) -> None:
+        """Play in this thread; whoever has a free slot takes the next network of the batch."""
         if not hasattr(self._of_thread, "simulation"):
             self._of_thread.simulation = self.make_simulation()
-        for begin, end in calls:
-            self._of_thread.simulation.world.play(batch, begin, end)
+        simulation = self._of_thread.simulation
+        slots = Slots.empty(simulation.slots, batch.networks)
+        while not over.is_set():
+            simulation.world.play(batch, slots)
+            if slots.used[0] == 0:
+                break
 
     def close(self) -> None:
         self._executor.shutdown()
@@ -119,7 +96,9 @@ def fast_engine(task: Task, workers: int = 1) -> Engine | str:
             return library
         from neol.rollout.worlds.box2d import environment
 
-        make_simulation = partial(environment.Simulation, library, task.environment)
+        make_simulation = partial(
+            environment.Simulation, library, task.environment, box2d.best_path(library)
+        )
     else:
         return "only the reference engine knows it"
     return FastEngine(make_simulation, task.max_steps, workers)

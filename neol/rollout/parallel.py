@@ -21,8 +21,6 @@ from neol.network.forward import Networks
 from neol.rollout.engine import Engine, Rollouts
 from neol.spec.constants import Plasticity
 
-_LARGEST_PORTION = 8  # so that the fast engine returns to Python, and Ctrl-C, in a second or two
-
 
 def portions(networks: int, workers: int) -> list[tuple[int, int]]:
     """How a batch is cut into pieces, (begin, end), which the workers take as they get free.
@@ -33,7 +31,7 @@ def portions(networks: int, workers: int) -> list[tuple[int, int]]:
     pieces, begin = [], 0
     while begin < networks:
         half_share = (networks - begin) // (2 * workers)
-        end = begin + min(max(half_share, 1), _LARGEST_PORTION)
+        end = begin + max(half_share, 1)
         pieces.append((begin, end))
         begin = end
     return pieces
@@ -63,7 +61,7 @@ class ProcessEngine:
                 self._executor.submit(
                     _evaluate, networks.slice(begin, end), seeds[begin:end], plasticity
                 )
-                for begin, end in portions(len(networks), self._workers)
+                for begin, end in portions(networks.population, self._workers)
             ]
             for future in futures:
                 future.add_done_callback(done.put)

@@ -17,7 +17,7 @@ from neol.base.errors import UserError
 from neol.network.forward import Networks, forward
 from neol.network.plasticity import compiled, learn
 from neol.network.rules import NO_RULE
-from neol.rollout.engine import Rollouts
+from neol.rollout.engine import Rollouts, learning_of
 from neol.spec.constants import Plasticity, Task
 
 
@@ -101,13 +101,7 @@ class ReferenceEngine:
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
     ) -> Rollouts:
         population, episodes = seeds.shape
-        rollouts = Rollouts(
-            returns=np.full((population, episodes), np.nan),
-            steps=np.zeros((population, episodes), dtype=np.int64),
-            weight=networks.weight.copy(),
-            threshold=np.zeros_like(networks.bias),
-            failed=np.zeros(population, dtype=np.bool_),
-        )
+        rollouts = Rollouts.begin(networks, seeds)
         for genome in range(population):
             edges = slice(*networks.edge_bounds[genome : genome + 2])
             nodes = slice(*networks.node_offset[genome : genome + 2])
@@ -180,7 +174,8 @@ class ReferenceEngine:
         """
         first, last = networks.node_offset[genome : genome + 2]
         values = np.empty(networks.inputs + last - first)
-        rate = plasticity.learning_rate * plasticity.reward_scale
+        networks = networks._replace(weight=weight)
+        learning = learning_of(plasticity, threshold)
         if self._task.fresh_world:
             self._environment.close()
             self._environment = make_environment(self._task, self._render_mode)
@@ -188,27 +183,14 @@ class ReferenceEngine:
             observation, _ = self._environment.reset(seed=seed)
         except Exception as error:
             raise self._failure(error, f"reset with seed {seed}") from error
-        rule = compiled(plasticity.rule)
         total, steps, done = 0.0, 0, False
         while not done:
             if steps == plastic_steps:
-                rule = compiled(NO_RULE)
+                learning = learning._replace(rule=compiled(NO_RULE))
             if not np.isfinite(observation).all():
                 return math.nan, steps
             values[: networks.inputs] = observation
-            forward(
-                first,
-                last,
-                networks.bias,
-                networks.edge_offset,
-                networks.source,
-                weight,
-                networks.inputs,
-                networks.outputs,
-                networks.activation,
-                networks.sum_limit,
-                values,
-            )
+            forward(networks, genome, values)
             action = self._action(values[-networks.outputs :])
             steps += 1
             try:
@@ -219,20 +201,7 @@ class ReferenceEngine:
                 raise self._failure(error, place) from error
             total += reward
             done = terminated or truncated
-            finite = learn(
-                first,
-                last,
-                networks.edge_offset,
-                networks.source,
-                weight,
-                threshold,
-                networks.inputs,
-                rule,
-                rate * reward,
-                plasticity.threshold_rate,
-                plasticity.weight_limit,
-                values,
-            )
+            finite = learn(networks, genome, learning, reward, values)
             if observe is not None:
                 observe(Step(values, action, reward, weight, threshold))
             if not (math.isfinite(total) and finite):

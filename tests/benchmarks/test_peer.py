@@ -4,8 +4,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from neol.network.forward import forward
-from neol.network.plasticity import compiled
+from neol.network.forward import Networks, forward
+from neol.network.plasticity import Learning, compiled
 from neol.network.plasticity import learn as learn_in_a_kernel
 from neol.spec.configuration import load_configuration
 from neol.spec.run_spec import RunSpec
@@ -53,15 +53,15 @@ def test_the_peer_s_network_learns_as_the_project_s(rule: str) -> None:
     bias = np.array([genome.nodes[output].bias for output in range(2)])
     weight = np.array([w for output in range(2) for _, w in links[output]])
     source = np.array([-1 - key for output in range(2) for key, _ in links[output]])
-    edge_offset, threshold = np.array([0, 4, 8]), np.zeros(2)
+    threshold = np.zeros(2)
+    networks = Networks(4, 2, 0, 50.0, np.array([0, 2]), bias, np.array([0, 4, 8]), source, weight)
+    learning = Learning(compiled(rule), 1.0, 0.1, 10.0, threshold)
     of_peer = {0: 0.0, 1: 0.0}
     for step in range(5):
         observation = np.random.default_rng(step).normal(size=4)
         values = np.array([*observation, 0.0, 0.0])
-        forward(0, 2, bias, edge_offset, source, weight, 4, 2, 0, 50.0, values)
-        learn_in_a_kernel(
-            0, 2, edge_offset, source, weight, threshold, 4, compiled(rule), 0.3, 0.1, 10.0, values
-        )
+        forward(networks, 0, values)
+        learn_in_a_kernel(networks, 0, learning, 0.3, values)
         outputs = network.activate(observation.tolist())
         peer.learn(network, spec.plasticity, 0.3, of_peer)
         assert outputs == pytest.approx(values[4:])

@@ -46,8 +46,20 @@ def random_networks(
 def outputs_of(networks: Networks, index: int, observation: np.ndarray) -> np.ndarray:
     first, last = networks.node_offset[index : index + 2]
     values = np.concatenate([observation, np.zeros(last - first)])
-    forward(
-        first, last, networks.bias, networks.edge_offset, networks.source, networks.weight,
-        networks.inputs, networks.outputs, networks.activation, networks.sum_limit, values,
-    )  # fmt: skip
+    forward(networks, index, values)
     return values[-networks.outputs :]
+
+
+def one_node(weight: np.ndarray) -> Networks:
+    """A network of one output, connected to as many inputs as there are weights."""
+    return Networks(
+        inputs=len(weight),
+        outputs=1,
+        activation=ACTIVATIONS["tanh"],
+        sum_limit=50.0,
+        node_offset=np.array([0, 1]),
+        bias=np.zeros(1),
+        edge_offset=np.array([0, len(weight)]),
+        source=np.arange(len(weight)),
+        weight=weight,
+    )

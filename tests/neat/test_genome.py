@@ -38,7 +38,7 @@ def test_a_decoded_network_computes_what_the_genes_say(
     grown: tuple[list[Genome], Reproduction],
 ) -> None:
     networks, _ = decode(Pool.of(grown[0]), INPUTS, OUTPUTS, NETWORK)
-    assert len(networks) == len(grown[0])
+    assert networks.population == len(grown[0])
     for index, genome in enumerate(grown[0]):
         assert outputs_of(networks, index, OBSERVATION).tolist() == plain_outputs(genome)
 

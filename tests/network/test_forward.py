@@ -32,7 +32,7 @@ def plain_outputs(networks: Networks, index: int, observation: np.ndarray) -> li
 def test_forward_equals_its_plain_twin(activation: str) -> None:
     random = np.random.default_rng(1)
     networks = random_networks(random, 40, inputs=5, outputs=3, activation=activation)
-    for index in range(len(networks)):
+    for index in range(networks.population):
         observation = random.normal(scale=3.0, size=5)
         expected = plain_outputs(networks, index, observation)
         assert outputs_of(networks, index, observation).tolist() == expected
@@ -55,7 +55,7 @@ def test_a_slice_is_a_batch_of_its_own() -> None:
     observation = random.normal(size=4)
     for begin, end in ((0, 9), (2, 5), (8, 9), (4, 4)):
         part = networks.slice(begin, end)
-        assert len(part) == end - begin
+        assert part.population == end - begin
         for index in range(begin, end):
             assert (
                 outputs_of(part, index - begin, observation).tolist()

@@ -7,16 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neol.network.plasticity import compiled, learn, learner
+from neol.network.plasticity import Learning, compiled, learn, learner
 from neol.network.rules import NO_RULE, find_rule
+from tests.helpers.networks import one_node
 
-ONE_EDGE = {
-    "first": 0,
-    "last": 1,
-    "edge_offset": np.array([0, 1]),
-    "source": np.array([0]),
-    "inputs": 1,
-}
+
+def learning(rule: str, threshold: np.ndarray, alpha: float = 0.1) -> Learning:
+    """With a rate of 1, so that a reward is what opens the gate."""
+    return Learning(compiled(rule), 1.0, alpha, 10.0, threshold)
 
 
 def learn_steps(
@@ -25,16 +23,7 @@ def learn_steps(
     """Weight and threshold of one connection after steps of (x, y, gate)."""
     weight, threshold = np.array([w]), np.zeros(1)
     for x, y, gate in steps:
-        learn(
-            **ONE_EDGE,
-            weight=weight,
-            threshold=threshold,
-            rule=compiled(rule),
-            gate=gate,
-            threshold_rate=alpha,
-            weight_limit=10.0,
-            values=np.array([x, y]),
-        )
+        learn(one_node(weight), 0, learning(rule, threshold, alpha), gate, np.array([x, y]))
     return float(weight[0]), float(threshold[0])
 
 
@@ -72,16 +61,8 @@ def test_weights_are_clipped(rule: str) -> None:
 
 @pytest.mark.parametrize("rule", ["hebb", "oja", "bcm"])
 def test_a_weight_that_is_not_finite_is_reported(rule: str) -> None:
-    finite = learn(
-        **ONE_EDGE,
-        weight=np.zeros(1),
-        threshold=np.zeros(1),
-        rule=compiled(rule),
-        gate=math.inf,
-        threshold_rate=0.1,
-        weight_limit=10.0,
-        values=np.array([1.0, 0.0]),
-    )
+    values = np.array([1.0, 0.0])
+    finite = learn(one_node(np.zeros(1)), 0, learning(rule, np.zeros(1)), math.inf, values)
     assert not finite
 
 
@@ -90,10 +71,7 @@ def test_oja_settles_where_its_weight_has_norm_one() -> None:
     weight, x = np.array([0.1, 0.2]), np.array([0.6, 0.8])
     for _ in range(2000):
         values = np.array([*x, weight @ x])
-        learn(
-            0, 1, np.array([0, 2]), np.array([0, 1]), weight, np.zeros(1), 2,
-            compiled("oja"), 0.05, 0.1, 10.0, values,
-        )  # fmt: skip
+        learn(one_node(weight), 0, learning("oja", np.zeros(1)), 0.05, values)
     assert np.linalg.norm(weight) == pytest.approx(1.0)
 
 
@@ -112,11 +90,11 @@ def test_kernel_equals_its_plain_twin(
     rule: str, x: float, y: float, w: float, gate: float, theta: float
 ) -> None:
     weights, thresholds = np.array([[w], [w]]), np.array([[theta], [theta]])
-    rest = {"gate": gate, "threshold_rate": 0.1, "weight_limit": 10.0, "values": np.array([x, y])}
-    learn(**ONE_EDGE, weight=weights[0], threshold=thresholds[0], rule=compiled(rule), **rest)
+    values = np.array([x, y])
+    learn(one_node(weights[0]), 0, learning(rule, thresholds[0]), gate, values)
     if rule != NO_RULE:
-        edge = ONE_EDGE["edge_offset"], ONE_EDGE["source"], weights[1], thresholds[1]
-        learner(find_rule(rule))(0, 1, *edge, 1, *rest.values())
+        edges = np.array([0, 1]), np.array([0]), weights[1], thresholds[1]
+        learner(find_rule(rule))(0, 1, *edges, 1, gate, 0.1, 10.0, values)
     expected = plain(rule, x, y, w, gate, theta)
     assert [*zip(weights[:, 0], thresholds[:, 0], strict=True)] == [expected, expected]
 

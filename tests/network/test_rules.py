@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from neol.base.errors import UserError
-from neol.network.plasticity import compiled, learn, learner
+from neol.network.plasticity import Learning, compiled, learn, learner
 from neol.network.rules import RULES, rule
 from neol.spec.configuration import Configuration, load_configuration, schema
+from tests.helpers.networks import one_node
 
 
 @pytest.fixture(autouse=True)
@@ -34,9 +35,8 @@ def leaky(x: float, y: float, w: float, theta: float) -> float:
 def learned(name: str) -> float:
     """What one step with x = 1, y = 0.5 and gate 1 makes of a weight of 2."""
     weight = np.array([2.0])
-    edges = np.array([0, 1]), np.array([0])
-    values = np.array([1.0, 0.5])
-    learn(0, 1, *edges, weight, np.zeros(1), 1, compiled(name), 1.0, 0.1, 10.0, values)
+    learning = Learning(compiled(name), 1.0, 0.1, 10.0, np.zeros(1))
+    learn(one_node(weight), 0, learning, 1.0, np.array([1.0, 0.5]))
     return float(weight[0])
 
 

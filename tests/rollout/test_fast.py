@@ -8,13 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import numpy.typing as npt
 import pytest
+from neol.neat.decoding import decode
 
 from neol.base.errors import UserError
-from neol.neat.genome import decode
 from neol.network.forward import ACTIVATIONS, Networks
 from neol.network.rules import NO_RULE, RULES
 from neol.rollout import Engine, Rollouts, make_engine
-from neol.rollout.episodes import Batch
+from neol.rollout.episodes import Batch, Slots
 from neol.rollout.fast import FastEngine, fast_engine
 from neol.rollout.reference import ReferenceEngine, network_size
 from neol.rollout.worlds import hopper
@@ -187,16 +187,17 @@ def test_after_ctrl_c_no_worker_begins_another_call() -> None:
     played, begun, interrupted = [], threading.Event(), threading.Event()
 
     class World:
-        def play(self, batch: Batch, begin: int, end: int) -> None:
-            del batch, end
+        def play(self, batch: Batch, slots: Slots) -> None:
+            del batch
+            slots.used[0] = 1
             if threading.current_thread() is threading.main_thread():
                 begun.wait()
                 raise KeyboardInterrupt
-            played.append(begin)
+            played.append(1)
             begun.set()
             interrupted.wait()
 
-    engine = FastEngine(lambda: SimpleNamespace(world=World()), max_steps=1, workers=2)
+    engine = FastEngine(lambda: SimpleNamespace(world=World(), slots=1), max_steps=1, workers=2)
     networks = random_networks(np.random.default_rng(1), 40, 4, 2)
     with pytest.raises(KeyboardInterrupt):
         engine.evaluate(networks, seeds_of(40, 1), plasticity_of("none"))

@@ -30,7 +30,7 @@ def test_portions_cover_a_batch_in_order(networks: int, workers: int) -> None:
 
 def test_portions_shrink_towards_the_end() -> None:
     sizes = [end - begin for begin, end in portions(50, 2)]
-    assert sizes == [8, 8, 8, 6, 5, 3, 3, 2, 1, 1, 1, 1, 1, 1, 1]
+    assert sizes == [12, 9, 7, 5, 4, 3, 2, 2, 1, 1, 1, 1, 1, 1]
 
 
 @dataclass

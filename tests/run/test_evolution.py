@@ -115,14 +115,14 @@ class XorEngine:
                 ((outputs_of(networks, index, np.array(case))[0] - target) / 2) ** 2
                 for case, target in self.cases
             )
-            for index in range(len(networks))
+            for index in range(networks.population)
         ]
         return Rollouts(
             returns=np.array(fitness).reshape(-1, 1),
-            steps=np.full((len(networks), 1), 4),
+            steps=np.full((networks.population, 1), 4),
             weight=networks.weight,
             threshold=np.zeros_like(networks.bias),
-            failed=np.zeros(len(networks), dtype=np.bool_),
+            failed=np.zeros(networks.population, dtype=np.bool_),
         )
 
     def close(self) -> None:

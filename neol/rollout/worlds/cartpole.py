@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from neol.base.kernel import kernel
+from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State, uniform
-from neol.rollout.episodes import Batch, play_batch
+from neol.rollout.episodes import Batch, Slots, play_batch
 
 Array = npt.NDArray[np.float64]
 
@@ -27,50 +27,65 @@ POSITION_LIMIT = 2.4
 
 
 class World(NamedTuple):
-    """A cart with a pole."""
+    """Carts with a pole each."""
 
     state: Array
-    """float64[4]: position, velocity, angle, angular velocity."""
+    """float64[slots, 4]: position, velocity, angle, angular velocity."""
 
-    @kernel
-    def reset(self, random: State, observation: Array) -> None:
+    @loop_kernel
+    def reset(self, slot: int, random: State, observation: Array) -> None:
         """Begin an episode with draws from the random stream."""
         for i in range(4):
-            self.state[i] = uniform(-0.05, 0.05, random)
-            observation[i] = np.float32(self.state[i])
+            self.state[slot, i] = uniform(-0.05, 0.05, random)
+            observation[slot, i] = np.float32(self.state[slot, i])
 
-    @kernel
-    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
-        """Push the cart to the larger output's side: reward, and whether the episode ended."""
-        x, x_dot, theta, theta_dot = self.state
-        force = FORCE if np.argmax(outputs) == 1 else -FORCE
-        cos, sin = math.cos(theta), math.sin(theta)
-        temp = (force + POLE_MASS_LENGTH * (theta_dot * theta_dot) * sin) / TOTAL_MASS
-        angular_acceleration = (GRAVITY * sin - cos * temp) / (
-            HALF_LENGTH * (4.0 / 3.0 - POLE_MASS * (cos * cos) / TOTAL_MASS)
-        )
-        acceleration = temp - POLE_MASS_LENGTH * angular_acceleration * cos / TOTAL_MASS
-        x += SECONDS * x_dot
-        theta += SECONDS * theta_dot
-        self.state[0] = x
-        self.state[1] = x_dot + SECONDS * acceleration
-        self.state[2] = theta
-        self.state[3] = theta_dot + SECONDS * angular_acceleration
-        for i in range(4):
-            observation[i] = np.float32(self.state[i])
-        terminated = (
-            x < -POSITION_LIMIT or x > POSITION_LIMIT or theta < -ANGLE_LIMIT or theta > ANGLE_LIMIT
-        )
-        return 1.0, terminated
+    @loop_kernel
+    def step(
+        self,
+        playing: npt.NDArray[np.int64],
+        outputs: Array,
+        observation: Array,
+        reward: Array,
+        ended: npt.NDArray[np.bool_],
+    ) -> None:
+        """Push each cart to the larger output's side."""
+        for slot in playing:
+            ended[slot] = push(self.state[slot], outputs[slot], observation[slot])
+            reward[slot] = 1.0
 
-    @kernel
-    def play(self, batch: Batch, begin: int, end: int) -> None:
-        """Let networks begin to end of a batch play their episodes here."""
-        play_batch(self, batch, begin, end)
+    @loop_kernel
+    def play(self, batch: Batch, slots: Slots) -> None:
+        """Let the networks of a batch play their episodes here."""
+        play_batch(self, batch, slots)
+
+
+@loop_kernel
+def push(state: Array, outputs: Array, observation: Array) -> bool:
+    """Take a step with one cart: whether the episode has ended."""
+    x, x_dot, theta, theta_dot = state
+    force = FORCE if np.argmax(outputs) == 1 else -FORCE
+    cos, sin = math.cos(theta), math.sin(theta)
+    temp = (force + POLE_MASS_LENGTH * (theta_dot * theta_dot) * sin) / TOTAL_MASS
+    angular_acceleration = (GRAVITY * sin - cos * temp) / (
+        HALF_LENGTH * (4.0 / 3.0 - POLE_MASS * (cos * cos) / TOTAL_MASS)
+    )
+    acceleration = temp - POLE_MASS_LENGTH * angular_acceleration * cos / TOTAL_MASS
+    x += SECONDS * x_dot
+    theta += SECONDS * theta_dot
+    state[0] = x
+    state[1] = x_dot + SECONDS * acceleration
+    state[2] = theta
+    state[3] = theta_dot + SECONDS * angular_acceleration
+    for i in range(4):
+        observation[i] = np.float32(state[i])
+    return bool(
+        x < -POSITION_LIMIT or x > POSITION_LIMIT or theta < -ANGLE_LIMIT or theta > ANGLE_LIMIT
+    )
 
 
 class Simulation:
-    """A cart with a pole, in memory of its own."""
+    """Carts with a pole each, in memory of their own."""
 
-    def __init__(self) -> None:
-        self.world = World(np.empty(4))
+    def __init__(self, slots: int = 1) -> None:
+        self.slots = slots
+        self.world = World(np.empty((slots, 4)))

@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.base.c_calls import address, call_void
-from neol.base.kernel import kernel
+from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State, uniform
-from neol.rollout.episodes import Batch, play_batch
+from neol.rollout.episodes import Batch, Slots, play_batch
 
 Array = npt.NDArray[np.float64]
 
@@ -53,8 +53,8 @@ class World(NamedTuple):
     control: Array
     """float64[3]: torques of thigh, leg and foot."""
 
-    @kernel
-    def reset(self, random: State, observation: Array) -> None:
+    @loop_kernel
+    def reset(self, slot: int, random: State, observation: Array) -> None:
         """Begin an episode with draws from the random stream."""
         call_void(self.mj_reset_data, self.model, self.data)
         for i in range(6):
@@ -62,31 +62,46 @@ class World(NamedTuple):
         for i in range(6):
             self.velocity[i] = uniform(-RESET_NOISE, RESET_NOISE, random)
         call_void(self.mj_forward, self.model, self.data)
-        observe(self, observation)
+        observe(self, observation[slot])
 
-    @kernel
-    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
-        """Turn the joints by the three outputs: reward, and whether the episode ended."""
-        squares = np.float32(0.0)
-        for i in range(3):
-            action = np.float32(min(max(outputs[i], -1.0), 1.0))
-            self.control[i] = action
-            squares += action * action
-        before = self.position[0]
-        for _ in range(FRAME_SKIP):
-            call_void(self.mj_step, self.model, self.data)
-        speed = (self.position[0] - before) / SECONDS
-        reward = speed + HEALTHY_REWARD - CONTROL_COST * squares
-        observe(self, observation)
-        return reward, not is_healthy(self)
+    @loop_kernel
+    def step(
+        self,
+        playing: npt.NDArray[np.int64],
+        outputs: Array,
+        observation: Array,
+        reward: Array,
+        ended: npt.NDArray[np.bool_],
+    ) -> None:
+        """Turn the joints by the three outputs; there is one hopper, in one slot."""
+        for slot in playing:
+            reward[slot] = turn(self, outputs[slot])
+            observe(self, observation[slot])
+            ended[slot] = not is_healthy(self)
 
-    @kernel
-    def play(self, batch: Batch, begin: int, end: int) -> None:
-        """Let networks begin to end of a batch play their episodes here."""
-        play_batch(self, batch, begin, end)
+    @loop_kernel
+    def play(self, batch: Batch, slots: Slots) -> None:
+        """Let the networks of a batch play their episodes here."""
+        play_batch(self, batch, slots)
 
 
-@kernel
+@loop_kernel
+def turn(world: World, outputs: Array) -> float:
+    """Take a step with these torques, clipped to +-1: the reward."""
+    squares = np.float32(0.0)
+    for i in range(3):
+        action = np.float32(min(max(outputs[i], -1.0), 1.0))
+        world.control[i] = action
+        squares += action * action
+    before = world.position[0]
+    for _ in range(FRAME_SKIP):
+        call_void(world.mj_step, world.model, world.data)
+    speed = (world.position[0] - before) / SECONDS
+    reward: float = speed + HEALTHY_REWARD - CONTROL_COST * squares
+    return reward
+
+
+@loop_kernel
 def observe(world: World, observation: Array) -> None:
     """Write the observation, float64[11]: positions but x, and velocities clipped to +-10."""
     for i in range(1, 6):
@@ -95,7 +110,7 @@ def observe(world: World, observation: Array) -> None:
         observation[5 + i] = min(max(world.velocity[i], -SPEED_LIMIT), SPEED_LIMIT)
 
 
-@kernel
+@loop_kernel
 def is_healthy(world: World) -> bool:
     """Whether the hopper stands: height, torso angle and all else but x within bounds."""
     healthy = 0.7 < world.position[1] < math.inf and -0.2 < world.position[2] < 0.2
@@ -108,6 +123,8 @@ def is_healthy(world: World) -> bool:
 
 class Simulation:
     """MuJoCo's model and data of one hopper, which live as long as this object."""
+
+    slots = 1
 
     def __init__(self) -> None:
         gymnasium = find_spec("gymnasium")

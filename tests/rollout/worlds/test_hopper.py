@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from neol.rollout.worlds import hopper
-from tests.helpers.stepwise import Array, compare_episode
+from tests.helpers.stepwise import Array, Slot, compare_episode
 
 STANDING = np.array(  # found by a random search: a linear policy that stands for 1,000 steps
     [
@@ -23,6 +23,7 @@ def stand(observation: Array) -> Array:
 def test_equal_to_gymnasium_at_every_step() -> None:
     environment = gymnasium.make("Hopper-v4")
     simulation = hopper.Simulation()
+    slot = Slot(simulation.world, 11)
     random = np.random.default_rng(1)
     for policy, seeds in {
         lambda _: random.uniform(-1, 1, 3): range(100),
@@ -32,21 +33,21 @@ def test_equal_to_gymnasium_at_every_step() -> None:
         lambda observation: np.tanh(random.normal(size=(3, 11)) @ observation): range(30),
     }.items():
         for seed in seeds:
-            compare_episode(simulation.world, environment, seed, policy)
+            compare_episode(slot, environment, seed, policy)
     for seed in range(4):
-        steps = compare_episode(simulation.world, environment, seed, stand)
+        steps = compare_episode(slot, environment, seed, stand)
         assert steps == 1000, "to the limit of steps"
 
 
 def test_an_episode_depends_on_nothing_beside_it() -> None:
     """Another simulation that steps in turns with the first changes none of its bits."""
     simulation, other = hopper.Simulation(), hopper.Simulation()
+    slot, beside = Slot(simulation.world, 11), Slot(other.world, 11)
     environment = gymnasium.make("Hopper-v4")
-    observation = np.empty(11)
-    other.world.reset(np.array([1, 2, 3, 5], dtype=np.uint64), observation)
+    beside.reset(6)
 
     def disturbed(observed: Array) -> Array:
-        other.world.step(np.ones(3), observation)
+        beside.step(np.ones(3))
         return stand(observed)
 
-    assert compare_episode(simulation.world, environment, 5, disturbed) == 1000
+    assert compare_episode(slot, environment, 5, disturbed) == 1000

@@ -20,14 +20,26 @@ import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 import gymnasium
 import numpy as np
+import numpy.typing as npt
 
 from neol.base.errors import UserError
 from neol.base.files import cache_folder, write_atomically
 from neol.random.pcg64 import seed_pcg64
-from neol.rollout.worlds.box2d.library import FLAGS, FOLDER, LIBRARY, LOCK, TASKS, load, stamp
+from neol.rollout.worlds.box2d.library import (
+    FLAGS,
+    FOLDER,
+    LIBRARY,
+    LOCK,
+    PATHS,
+    TASKS,
+    available_paths,
+    load,
+    stamp,
+)
 
 COMPILER_FAILED = "the C++ compiler failed"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion")
@@ -41,6 +53,9 @@ SANITIZE = (
     "-fno-sanitize-recover=all",
 )
 """Instead of FLAGS: the core as the tests run it, each bad access and undefined result fatal."""
+
+EPISODES, STEPS = 20, 100
+"""So many episodes of so many steps at most have to be Gymnasium's: more than one vector holds."""
 
 
 class BuildError(Exception):
@@ -127,37 +142,71 @@ def build() -> bool:
     return True
 
 
+class _Episode(NamedTuple):
+    """An episode of Gymnasium's with random actions; a row for each step but of `first`."""
+
+    first: npt.NDArray[np.float32]
+    """The observation that it begins with."""
+    actions: list[npt.NDArray[np.float32]]
+    observations: list[list[float]]
+    rewards: list[float]
+    ends: list[bool]
+
+
 def plays_like_gymnasium(library: ctypes.CDLL, environment: str) -> bool:
-    """Whether a few episodes with random actions come out the same, bit for bit."""
-    simulation = library.neol_create(TASKS.index(environment))
-    try:
-        return all(_equal_episode(library, simulation, environment, seed) for seed in range(3))
-    finally:
-        library.neol_destroy(simulation)
+    """Whether episodes with random actions come out the same on every path, bit for bit."""
+    episodes = [_gymnasium_episode(environment, seed) for seed in range(EPISODES)]
+    return all(_equal(library, environment, path, episodes) for path in available_paths(library))
 
 
-def _equal_episode(library: ctypes.CDLL, simulation: int, environment: str, seed: int) -> bool:
-    peer = gymnasium.make(environment, max_episode_steps=200, disable_env_checker=True)
+def _gymnasium_episode(environment: str, seed: int) -> _Episode:
+    peer = gymnasium.make(environment, max_episode_steps=STEPS, disable_env_checker=True)
     peer.action_space.seed(seed)
-    expected, _ = peer.reset(seed=seed)
-    random = np.empty(4, dtype=np.uint64)
-    observation, reward = np.empty(expected.shape), np.empty(1)
-    seed_pcg64(np.uint64(seed), random)
-    library.neol_reset(simulation, random.ctypes.data, observation.ctypes.data)
-    equal: bool = observation.tolist() == expected.tolist()
-    done = False
-    while equal and not done:
+    first, _ = peer.reset(seed=seed)
+    episode, done = _Episode(first, [], [], [], []), False
+    while not done:
         action = peer.action_space.sample()
-        numbers = np.atleast_1d(action).astype(np.float32)
-        expected, expected_reward, terminated, truncated, _ = peer.step(action)
-        ended = library.neol_step(
-            simulation, numbers.ctypes.data, observation.ctypes.data, reward.ctypes.data
-        )
-        equal = observation.tolist() == expected.tolist() and (
-            (reward[0], ended) == (float(expected_reward), terminated)
-        )
+        observation, reward, terminated, truncated, _ = peer.step(action)
+        episode.actions.append(np.atleast_1d(action).astype(np.float32))
+        episode.observations.append(observation.tolist())
+        episode.rewards.append(float(reward))
+        episode.ends.append(terminated)
         done = terminated or truncated
-    return equal
+    return episode
+
+
+def _equal(library: ctypes.CDLL, environment: str, path: str, episodes: Sequence[_Episode]) -> bool:
+    """Whether a group of the core plays these episodes, of the seeds from 0, side by side."""
+    slots = len(episodes)
+    action = np.zeros((slots, 4), dtype=np.float32)
+    observation = np.empty((slots, len(episodes[0].first)))
+    reward, ended = np.empty(slots), np.empty(slots, dtype=np.bool_)
+    random = np.empty(4, dtype=np.uint64)
+    group = library.neol_create(TASKS.index(environment), slots, PATHS.index(path))
+    try:
+        for slot, episode in enumerate(episodes):
+            seed_pcg64(np.uint64(slot), random)
+            library.neol_reset(group, slot, random.ctypes.data, observation[slot].ctypes.data)
+            if observation[slot].tolist() != episode.first.tolist():
+                return False
+        for step in range(STEPS):
+            playing = [slot for slot in range(slots) if step < len(episodes[slot].ends)]
+            for slot in playing:
+                numbers = episodes[slot].actions[step]
+                action[slot, : len(numbers)] = numbers
+            arrays = (np.array(playing), action, observation, reward, ended)
+            library.neol_step(group, len(playing), *(array.ctypes.data for array in arrays))
+            for slot in playing:
+                episode = episodes[slot]
+                if (
+                    observation[slot].tolist() != episode.observations[step]
+                    or reward[slot] != episode.rewards[step]
+                    or ended[slot] != episode.ends[step]
+                ):
+                    return False
+    finally:
+        library.neol_destroy(group)
+    return True
 
 
 def _run(command: Sequence[str], failure: str) -> None:

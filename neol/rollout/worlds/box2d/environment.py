@@ -11,62 +11,74 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from neol.base.c_calls import address, call_int
-from neol.base.kernel import kernel
+from neol.base.c_calls import address, call_void
+from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State
-from neol.rollout.episodes import Batch, play_batch
-from neol.rollout.worlds.box2d.library import TASKS
+from neol.rollout.episodes import Batch, Slots, play_batch
+from neol.rollout.worlds.box2d.library import PATHS, TASKS
 
 Array = npt.NDArray[np.float64]
 
 
 class World(NamedTuple):
-    """A simulation of the core: its C functions and itself by address, and room for a step."""
+    """A group of simulations of the core: its C functions and itself by address."""
 
     neol_reset: int
     neol_step: int
-    simulation: int
+    group: int
     discrete: bool
     action: npt.NDArray[np.float32]
-    """float32[4]: how hard the walker's joints turn; or, first, the number of LunarLander's."""
-    reward: Array
-    """float64[1]."""
+    """float32[slots, 4]: how hard the walker's joints turn; or, first, LunarLander's number."""
 
-    @kernel
-    def reset(self, random: State, observation: Array) -> None:
+    @loop_kernel
+    def reset(self, slot: int, random: State, observation: Array) -> None:
         """Begin an episode in a new world with draws from the random stream."""
-        call_int(self.neol_reset, self.simulation, random, observation)
+        call_void(self.neol_reset, self.group, np.int64(slot), random, observation[slot])
 
-    @kernel
-    def step(self, outputs: Array, observation: Array) -> tuple[float, bool]:
-        """Fire the engine or turn the joints: reward, and whether the episode ended."""
-        if self.discrete:
-            self.action[0] = np.argmax(outputs)
-        else:
-            for i in range(4):
-                self.action[i] = min(max(outputs[i], -1.0), 1.0)
-        ended: int = call_int(
-            self.neol_step, self.simulation, self.action, observation, self.reward
+    @loop_kernel
+    def step(
+        self,
+        playing: npt.NDArray[np.int64],
+        outputs: Array,
+        observation: Array,
+        reward: Array,
+        ended: npt.NDArray[np.bool_],
+    ) -> None:
+        """Fire the engines or turn the joints of the slots that play."""
+        for slot in playing:
+            if self.discrete:
+                self.action[slot, 0] = np.argmax(outputs[slot])
+            else:
+                for i in range(4):
+                    self.action[slot, i] = min(max(outputs[slot, i], -1.0), 1.0)
+        call_void(
+            self.neol_step,
+            self.group,
+            len(playing),
+            playing,
+            self.action,
+            observation,
+            reward,
+            ended,
         )
-        return self.reward[0], ended != 0
 
-    @kernel
-    def play(self, batch: Batch, begin: int, end: int) -> None:
-        """Let networks begin to end of a batch play their episodes here."""
-        play_batch(self, batch, begin, end)
+    @loop_kernel
+    def play(self, batch: Batch, slots: Slots) -> None:
+        """Let the networks of a batch play their episodes here."""
+        play_batch(self, batch, slots)
 
 
 class Simulation:
-    """One simulation of the core, which lives as long as this object."""
+    """A group of simulations of the core, which lives as long as this object."""
 
-    def __init__(self, library: ctypes.CDLL, environment: str) -> None:
-        simulation = library.neol_create(TASKS.index(environment))
-        weakref.finalize(self, library.neol_destroy, simulation)
+    def __init__(self, library: ctypes.CDLL, environment: str, path: str, slots: int = 1) -> None:
+        group = library.neol_create(TASKS.index(environment), slots, PATHS.index(path))
+        weakref.finalize(self, library.neol_destroy, group)
+        self.slots = slots
         self.world = World(
             neol_reset=address(library.neol_reset),
             neol_step=address(library.neol_step),
-            simulation=simulation,
+            group=group,
             discrete=environment == "LunarLander-v3",
-            action=np.zeros(4, dtype=np.float32),
-            reward=np.zeros(1),
+            action=np.zeros((slots, 4), dtype=np.float32),
         )

@@ -20,6 +20,8 @@ FLAGS = (
 
 TASKS = ("LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3")
 """Gymnasium ids in the order of the core's own numbers for them."""
+PATHS = ("plain", "shortcut", "sse2", "avx2", "avx512", "neon")
+"""Ways to the same bits, in the order of the core's own numbers for them: see lockstep.hpp."""
 
 
 def stamp() -> str:
@@ -44,14 +46,27 @@ def load(path: Path = LIBRARY) -> ctypes.CDLL | str:
         library = ctypes.CDLL(str(path))
     except OSError as error:
         return f"its C++ core cannot be loaded: {error}"
-    pointer = ctypes.c_void_p
-    library.neol_stamp.restype = ctypes.c_char_p
-    library.neol_create.argtypes = [ctypes.c_int]
-    library.neol_create.restype = pointer
-    library.neol_destroy.argtypes = [pointer]
-    library.neol_destroy.restype = None
-    library.neol_reset.argtypes = [pointer, pointer, pointer]
-    library.neol_step.argtypes = [pointer, pointer, pointer, pointer]
-    library.neol_physics.argtypes = [pointer, pointer, ctypes.c_int, ctypes.c_int]
-    library.neol_physics.restype = None
+    pointer, number = ctypes.c_void_p, ctypes.c_int
+    for name, result, arguments in (
+        ("neol_stamp", ctypes.c_char_p, []),
+        ("neol_available", ctypes.c_bool, [number]),
+        ("neol_best_path", number, []),
+        ("neol_create", pointer, [number, number, number]),
+        ("neol_destroy", None, [pointer]),
+        ("neol_reset", None, [pointer, ctypes.c_int64, pointer, pointer]),
+        ("neol_step", None, [pointer, ctypes.c_int64, *[pointer] * 5]),
+        ("neol_physics", None, [pointer, pointer, number, number]),
+    ):
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
     return library
+
+
+def available_paths(library: ctypes.CDLL) -> list[str]:
+    """The paths that this machine has."""
+    return [name for number, name in enumerate(PATHS) if library.neol_available(number)]
+
+
+def best_path(library: ctypes.CDLL) -> str:
+    """The fastest of them."""
+    return PATHS[library.neol_best_path()]

@@ -10,8 +10,10 @@ import pytest
 from gymnasium.envs.box2d.bipedal_walker import BipedalWalkerHeuristics
 from gymnasium.envs.box2d.lunar_lander import heuristic
 
+from neol.random.pcg64 import seed_pcg64
 from neol.rollout.worlds.box2d import environment
-from tests.helpers.stepwise import Array, compare_episode
+from neol.rollout.worlds.box2d.library import PATHS, available_paths, best_path
+from tests.helpers.stepwise import Array, Slot, compare_episode
 
 LANDER, WALKER, HARDCORE = "LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3"
 SIZES = {LANDER: (4, 8), WALKER: (4, 24), HARDCORE: (4, 24)}
@@ -39,15 +41,24 @@ def policies(task: str, random: np.random.Generator) -> dict[str, Policy]:
     }
 
 
+class Alone(Slot):
+    """The one slot of a group of the core."""
+
+    def __init__(self, library: ctypes.CDLL, task: str) -> None:
+        self._simulation = environment.Simulation(library, task, best_path(library))
+        self.group = self._simulation.world.group
+        super().__init__(self._simulation.world, SIZES[task][1])
+
+
 def play(library: ctypes.CDLL, task: str, episodes: range, limit: int) -> None:
     """Episodes of the policies in turn, a heuristic one among each six."""
-    simulation = environment.Simulation(library, task)
+    slot = Alone(library, task)
     for seed in episodes:
         peer = gymnasium.make(task, max_episode_steps=limit, disable_env_checker=True)
         choices = policies(task, np.random.default_rng(seed))
         choices["heuristic"] = heuristic_policy(peer)
         policy = list(choices.values())[seed % len(choices)]
-        compare_episode(simulation.world, peer, seed, policy)
+        compare_episode(slot, peer, seed, policy)
 
 
 def test_lunar_lander_equals_gymnasium(library: ctypes.CDLL) -> None:
@@ -64,11 +75,11 @@ def test_bipedal_walker_equals_gymnasium(library: ctypes.CDLL, task: str) -> Non
 @pytest.mark.parametrize(("task", "seeds"), [(LANDER, 12), (WALKER, 5), (HARDCORE, 7)])
 def test_whole_episodes_of_heuristics(library: ctypes.CDLL, task: str, seeds: int) -> None:
     """Landings; walks to the far end, over obstacles, to the limit of steps."""
-    simulation = environment.Simulation(library, task)
+    slot = Alone(library, task)
     lengths = []
     for seed in range(seeds):
         peer = gymnasium.make(task, disable_env_checker=True)
-        lengths.append(compare_episode(simulation.world, peer, seed, heuristic_policy(peer)))
+        lengths.append(compare_episode(slot, peer, seed, heuristic_policy(peer)))
     assert max(lengths) > (200 if task == LANDER else 1500)
 
 
@@ -87,57 +98,73 @@ def stand(_: Array) -> Array:
 
 @pytest.mark.parametrize(("task", "policy"), [(LANDER, hover), (WALKER, stand), (HARDCORE, stand)])
 def test_an_episode_to_the_limit(library: ctypes.CDLL, task: str, policy: Policy) -> None:
-    simulation = environment.Simulation(library, task)
+    slot = Alone(library, task)
     peer = gymnasium.make(task, disable_env_checker=True)
     assert peer.spec is not None
-    steps = compare_episode(simulation.world, peer, 1, policy)
+    steps = compare_episode(slot, peer, 1, policy)
     assert steps == peer.spec.max_episode_steps
 
 
 @pytest.mark.parametrize("task", SIZES)
 def test_an_episode_depends_on_nothing_beside_it(library: ctypes.CDLL, task: str) -> None:
     """Another simulation that steps in turns with the first changes none of its bits."""
-    simulation, other = (environment.Simulation(library, task) for _ in range(2))
-    outputs, size = SIZES[task]
-    observation = np.empty(size)
+    slot, other = Alone(library, task), Alone(library, task)
     random = np.random.default_rng(0)
-    other.world.reset(np.array([1, 2, 3, 5], dtype=np.uint64), observation)
+    other.reset(6)
 
     def disturbed(_: Array) -> Array:
-        other.world.step(random.uniform(-1, 1, outputs), observation)
-        return random.uniform(-1, 1, outputs)
+        other.step(random.uniform(-1, 1, 4))
+        return random.uniform(-1, 1, 4)
 
     peer = gymnasium.make(task, max_episode_steps=100, disable_env_checker=True)
-    compare_episode(simulation.world, peer, 1, disturbed)
+    compare_episode(slot, peer, 1, disturbed)
 
 
-def test_a_failed_assertion_of_box2d_ends_the_episode(library: ctypes.CDLL) -> None:
-    simulation = environment.Simulation(library, WALKER)
-    observation = np.empty(24)
-    simulation.world.reset(np.array([1, 2, 3, 5], dtype=np.uint64), observation)
-    reward, ended = simulation.world.step(np.full(4, np.nan), observation)
-    assert ended
-    assert np.isnan(reward)
-    assert np.isnan(observation).any()
-    peer = gymnasium.make(WALKER, max_episode_steps=100, disable_env_checker=True)
-    compare_episode(simulation.world, peer, 2, stand)
+@pytest.mark.parametrize("path", PATHS)
+def test_a_failed_assertion_of_box2d_ends_its_own_episode_alone(
+    library: ctypes.CDLL, path: str
+) -> None:
+    if path not in available_paths(library):
+        pytest.skip(f"this machine has no {path}")
+    simulation = environment.Simulation(library, WALKER, path, slots=20)
+    world = simulation.world
+    slots, alone = np.arange(20), Alone(library, WALKER)
+    outputs, observation = np.tile(stand(np.empty(0)), (20, 1)), np.empty((20, 24))
+    reward, ended = np.empty(20), np.empty(20, dtype=np.bool_)
+    random = np.empty(4, dtype=np.uint64)
+    for slot in slots:
+        seed_pcg64(np.uint64(slot), random)
+        world.reset(slot, random, observation)
+    for step in range(30):
+        outputs[step % 3 * 5, 1] = np.nan if step >= 15 else 0.1
+        world.step(slots, outputs, observation, reward, ended)
+        failed = ended & np.isnan(reward) & np.isnan(observation[:, 0])
+        assert failed.tolist() == ended.tolist()
+        slots = slots[~ended[slots]]
+    assert sorted(set(range(20)) - set(slots.tolist())) == [0, 5, 10]
+    for slot in slots:
+        alone.reset(slot)
+        for _ in range(30):
+            last, _ = alone.step(outputs[slot])
+        assert alone.observation.tolist() == observation[slot].tolist()
+        assert last == reward[slot]
+    world.reset(5, random, observation)
+    world.step(np.array([5]), np.zeros_like(outputs), observation, reward, ended)
+    assert np.isfinite(observation[5]).all() and not ended[5]
 
 
 @pytest.mark.parametrize("task", [LANDER, WALKER])
 def test_the_physics_alone_goes_where_steps_go(library: ctypes.CDLL, task: str) -> None:
     """What benchmarks time plays the very trajectory."""
-    simulation = environment.Simulation(library, task)
-    stream = np.array([1, 2, 3, 5], dtype=np.uint64)
-    random = np.random.default_rng(0)
-    outputs = random.uniform(-1, 1, (41, 4))
+    slot = Alone(library, task)
+    outputs = np.random.default_rng(0).uniform(-1, 1, (41, 4))
     actions = outputs.argmax(axis=1)[:, None] if task == LANDER else outputs
     actions = actions.astype(np.float32)
-    stepped, replayed = np.empty(SIZES[task][1]), np.empty(SIZES[task][1])
-    simulation.world.reset(stream, stepped)
+    slot.reset(1)
     for output in outputs:
-        simulation.world.step(output, stepped)
-    simulation.world.reset(stream, replayed)
-    pointer = actions.ctypes.data
-    library.neol_physics(simulation.world.simulation, pointer, actions.shape[1], 40)
-    simulation.world.step(outputs[40], replayed)
-    assert replayed.tolist() == stepped.tolist()
+        slot.step(output)
+    stepped = slot.observation.tolist()
+    slot.reset(1)
+    library.neol_physics(slot.group, actions.ctypes.data, actions.shape[1], 40)
+    slot.step(outputs[40])
+    assert slot.observation.tolist() == stepped
