@@ -48,7 +48,7 @@ test: $(READY)
 	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
 	$(RUN) pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
-# The peer, neat-python, is no dependency of the library: it is installed here only.
+# neat-python (the peer) and EnvPool are no dependencies of the library: they are installed here only.
 bench: $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	    --requirement benchmarks/requirements.lock

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from benchmarks.envpool_steps import batch_of
 from benchmarks.measure import RULES
 from benchmarks.table import PARTS, TITLES, Table, markdown, number, percent
 from benchmarks.targets import targets
@@ -10,7 +11,7 @@ from neol.study.campaign.cost import NEAT_POPULATION
 
 def page(table: Table, about: Mapping[str, str]) -> str:
     """docs/benchmarks.md."""
-    sections = (_head(about), _targets_section, _engines, _runs, _shares, _kernels, _neat)
+    sections = (_head(about), _targets_section, _engines, _envpool, _runs, _shares, _kernels, _neat)
     return "\n".join(part if isinstance(part, str) else part(table) for part in sections)
 
 
@@ -67,6 +68,38 @@ casts; four `mj_step`). *Our engine* and the *reference engine* play the episode
 plasticity and resets; Gymnasium's `env.step` is bare, without resets. MuJoCo's profile of itself,
 which our engine switches off in the whole process, is off for Gymnasium and the peer as well; its
 search for islands of constraints is off for our engine and the physics.
+
+{markdown(header, rows)}"""
+
+
+def _envpool(table: Table) -> str:
+    header = (
+        "task",
+        "one environment",
+        "environments in a batch",
+        "batch",
+        "our engine",
+        "our engine / the faster",
+    )
+    rows = [
+        [
+            TITLES[task],
+            number(table.get("envpool_single", task, "initial")),
+            str(batch_of(task)),
+            *(
+                number(table.get(name, task, "initial"))
+                for name in ("envpool_batch", "engine", "engine_over_envpool")
+            ),
+        ]
+        for task in table.tasks
+    ]
+    return f"""## EnvPool's stepping alone: microseconds per environment step
+
+[EnvPool](https://github.com/sail-sg/envpool) steps many environments in C++ for a policy elsewhere.
+It has one core here, as one environment and as a batch of them, and is given the recorded actions
+of the networks *initial* above: same networks and tasks, episodes of its own, resets included. *Our
+engine* is that of the table above and computes networks and plasticity as well. EnvPool brings
+its own MuJoCo (3.6.0).
 
 {markdown(header, rows)}"""
 

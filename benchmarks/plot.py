@@ -9,6 +9,7 @@ from benchmarks.table import PARTS, TITLES, Table, number
 _COLOURS = {
     "physics": "#000000",
     "engine": "#0072B2",
+    "envpool_batch": "#009E73",
     "gymnasium": "#E69F00",
     "reference": "#CC79A7",
     "peer": "#D55E00",
@@ -16,6 +17,7 @@ _COLOURS = {
 _LABELS = {
     "physics": "physics alone",
     "engine": "neol, fast engine",
+    "envpool_batch": "EnvPool's stepping alone, in a batch",
     "gymnasium": "Gymnasium's env.step alone",
     "reference": "neol, reference engine",
     "peer": "peer, whole run (neat-python)",
@@ -35,11 +37,11 @@ def plot(table: Table, path: Path) -> None:
         1, 2, figsize=(12, 6), width_ratios=(3, 2), sharey=True, layout="constrained"
     )
     places = np.arange(len(table.tasks))
-    height = 0.16
+    height = 0.14
     for i, (name, label) in enumerate(_LABELS.items()):
         networks = "" if name == "peer" else "initial"
         widths = [table.get(name, task, networks) or np.nan for task in table.tasks]
-        at = places + (i - 2) * height
+        at = places + (i - 2.5) * height
         bars = times.barh(at, widths, height, color=_COLOURS[name], label=label)
         labels = ["" if np.isnan(width) else number(width) for width in widths]
         times.bar_label(bars, labels, fontsize=8, padding=3)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from benchmarks import envpool_steps
 from benchmarks.page import page
 from benchmarks.plot import plot
 from benchmarks.scaling import replace_generated, scaling
@@ -24,6 +25,8 @@ def machine() -> dict[str, str]:
     """What the values were measured on."""
     made = provenance()
     versions = {**made.versions, "neat-python": importlib.metadata.version("neat-python")}
+    if envpool_steps.AVAILABLE:
+        versions["envpool"] = importlib.metadata.version("envpool")
     return {
         "CPU": made.cpu,
         "System": f"{platform.system()} on {platform.machine()}, {made.libc}",

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from benchmarks import report, runs, steps
+from benchmarks import envpool_steps, report, runs, steps
 from benchmarks.measure import FULL, POPULATION, QUICK, Measurement, Scale, run_spec_of
 from benchmarks.table import Key, summarise
 from neol.base.errors import UserError, hint
@@ -82,6 +82,8 @@ def _prepare(
         )
         measurements += [(networks, each) for each in steps.engine_measurements(recording).values()]
     measurements.append(("large", steps.c_measurement(recordings["large"])))
+    if envpool_steps.AVAILABLE:
+        measurements.append(("initial", envpool_steps.envpool_measurement(recordings["initial"])))
 
     spec = run_spec_of(task, POPULATION, scale.run)
     engine = make_engine(spec.task, "fast")

@@ -68,6 +68,9 @@ def _engine_ratios(get: Get, networks: str) -> dict[str, Array]:
     if physics.any():
         ratios["engine_over_physics"] = engine / physics
         ratios["steps_over_physics"] = (engine - get("resets", networks)) / physics
+    if get("envpool_batch", networks).any():
+        fastest = np.minimum(get("envpool_single", networks), get("envpool_batch", networks))
+        ratios["engine_over_envpool"] = engine / fastest
     known = {part: get(part, networks) / engine for part in ("network", "plasticity", "physics")}
     known["environment"] = 1.0 - np.sum(list(known.values()), axis=0)
     return ratios | {f"engine_share_{part}": share for part, share in known.items()}

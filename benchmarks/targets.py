@@ -52,6 +52,16 @@ def targets() -> list[Target]:
             for task in ("lunar_lander", "bipedal_walker", "hopper")
         ),
         *(
+            Target(
+                "engine / EnvPool's stepping alone",
+                "engine_over_envpool",
+                task,
+                1.1 if task == "hopper" else 1.0,
+                networks="initial",
+            )
+            for task in TITLES
+        ),
+        *(
             Target(f"NEAT's share at P = {NEAT_POPULATION}", "neat_share", task, bound, unit="%")
             for task, bound in neat.items()
         ),

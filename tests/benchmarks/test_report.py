@@ -17,6 +17,8 @@ def made_up(task: str) -> dict[Key, list[float]]:
     rounds = {
         **{("engine", n): [13.0, 26.0] for n in ("initial", "large")},
         **{("physics", n): [10.0, 20.0] for n in ("initial", "large")},
+        ("envpool_single", "initial"): [50.0, 100.0],
+        ("envpool_batch", "initial"): [12.5, 30.0],
         **{("resets", n): [1.0, 2.0] for n in ("initial", "large")},
         **{("network", n): [1.0, 2.0] for n in ("initial", "large")},
         **{("plasticity", n): [0.5, 1.0] for n in ("initial", "large")},
@@ -49,6 +51,8 @@ def test_ratios_are_taken_within_a_round() -> None:
     ratio = table.loc[("engine_over_physics", "initial")]
     assert (ratio["minimum"], ratio["maximum"], ratio["rounds"]) == pytest.approx((1.3, 1.3, 2))
     assert table.loc[("steps_over_physics", "initial"), "median"] == pytest.approx(1.2)
+    ratio = table.loc[("engine_over_envpool", "initial")]
+    assert (ratio["minimum"], ratio["maximum"]) == pytest.approx((26 / 30, 13 / 12.5))
     assert table.loc[("share_environment", ""), "median"] == pytest.approx(0.1)
     assert table.loc[("two_workers_speedup", ""), "median"] == pytest.approx(1.9)
     assert table.loc[("two_workers_bound", ""), "median"] == pytest.approx(1 / (0.25 + 0.75 / 2))
@@ -63,6 +67,8 @@ def test_the_page_says_which_targets_are_met(tmp_path: Path) -> None:
     assert "- CPU: 2 x Abacus" in page
     assert "| whole run: times as fast as the peer | Hopper | ≥ 1.70 | 3.75 | met |" in page
     assert "| engine / physics alone | Hopper | ≤ 1.15 | 1.30 | **missed** |" in page
+    assert "| engine / EnvPool's stepping alone | Hopper | ≤ 1.10 | 0.95 | met |" in page
+    assert "| Hopper | 75.0 | 32 | 21.2 | 19.5 | 0.95 |" in page
     assert "| ≤ 1.50 µs or ≤ 1.30 × C | 2.40 µs, 1.60 × C | **missed** |" in page
     assert "CartPole |" not in page
     assert (tmp_path / "benchmarks.png").read_bytes().startswith(b"\x89PNG")
