@@ -1,11 +1,6 @@
-"""Champions for other programs: their networks, with the weights that an episode begins with.
-
-`Exported` says what the JSON holds. Records may come from anywhere: whatever text they hold gets
-into a Python file as a quoted literal only.
-"""
+"""Champions for other programs: their networks, with the weights that an episode begins with."""
 
 import contextlib
-from collections.abc import Iterable, Iterator
 from typing import Literal
 
 import gymnasium
@@ -100,105 +95,6 @@ def export(player: Player) -> Exported:
 def to_json(player: Player) -> bytes:
     """The network as `Exported` in JSON."""
     return export(player).model_dump_json(indent=1).encode() + b"\n"
-
-
-def to_python(player: Player) -> bytes:
-    """The network as a Python file with a function act(observation)."""
-    network = export(player)
-    content = {
-        "environment": network.environment,
-        "inputs": _lines(network.inputs),
-        "outputs": _lines(network.outputs),
-        "sum_limit": network.sum_limit,
-        "activations": "\n".join(
-            f"    {name!r}: {_FUNCTIONS[name]},"
-            for name in dict.fromkeys(node.activation for node in network.nodes)
-        ),
-        "nodes": "\n".join(_node_lines(network)),
-    }
-    act = _DISCRETE if isinstance(network.action, Discrete) else _CONTINUOUS
-    text = _PYTHON.format(**content) + act.format(**network.action.model_dump())
-    return text.encode()
-
-
-_FUNCTIONS = {
-    "tanh": "math.tanh",
-    "relu": "lambda total: max(total, 0.0)",
-    "sigmoid": "lambda total: 1.0 / (1.0 + math.exp(-total))",
-    "identity": "lambda total: total",
-}
-_PYTHON = '''\
-"""A network that plays a task, with fixed weights. Written by neol; needs nothing else."""
-
-import math
-
-ENVIRONMENT = {environment!r}  # Gymnasium id
-INPUTS = (
-{inputs}
-)
-OUTPUTS = (
-{outputs}
-)
-SUM_LIMIT = {sum_limit!r}
-ACTIVATIONS = {{
-{activations}
-}}
-# Of each node (activation, bias, connections), of each connection (source, weight): sources count
-# the inputs, then the nodes.
-NODES = (
-{nodes}
-)
-
-
-def outputs(observation):
-    """The activities of the output nodes."""
-    values = [float(value) for value in observation]
-    for activation, bias, connections in NODES:
-        total = bias
-        for source, weight in connections:
-            total += weight * values[source]
-        total = min(max(total, -SUM_LIMIT), SUM_LIMIT)
-        values.append(ACTIVATIONS[activation](total))
-    return values[-len(OUTPUTS) :]
-
-
-'''
-_DISCRETE = '''\
-FIRST = {start}  # of the actions' numbers
-
-
-def act(observation):
-    """The action: an integer."""
-    found = outputs(observation)
-    return FIRST + found.index(max(found))
-'''
-_CONTINUOUS = '''\
-LOW = {low!r}
-HIGH = {high!r}
-DTYPE = {dtype!r}  # in which the environment takes the action, as a numpy array
-
-
-def act(observation):
-    """The action: a list of floats."""
-    bounds = zip(outputs(observation), LOW, HIGH)
-    return [min(max(value, low), high) for value, low, high in bounds]
-'''
-
-
-def _lines(items: Iterable[object]) -> str:
-    return "\n".join(f"    {item!r}," for item in items)
-
-
-def _node_lines(network: Exported) -> Iterator[str]:
-    """The nodes in Python, with the names of what they are and of what feeds them."""
-    hidden = len(network.nodes) - len(network.outputs)
-    own = [*(f"hidden {number}" for number in range(1, hidden + 1)), *network.outputs]
-    known = [*network.inputs, *own]
-    for name, node in zip(own, network.nodes, strict=True):
-        yield f"    ({node.activation!r}, {node.bias!r}, (  # {name}"
-        for source, weight in zip(node.sources, node.weights, strict=True):
-            yield f"        ({source}, {weight!r}),  # {known[source]}"
-        yield "    )),"
 
 
 def _action(player: Player) -> Discrete | Continuous:

@@ -103,26 +103,26 @@ def show(
 
 @app.command(
     epilog=examples(
-        "neol export a.parquet --format python --output champion.py",
+        "neol export a.parquet --format onnx --output champion.onnx",
         "neol export a.parquet --seed 3 --format json --output champion.json",
     )
 )
 def export(
     record: RecordPath,
     kind: Annotated[
-        Literal["json", "onnx", "python"], typer.Option("--format", help="onnx needs its package.")
+        Literal["json", "onnx"], typer.Option("--format", help="onnx needs its package.")
     ],
     output: Annotated[Path, typer.Option(help="The file.")],
     seed: SeedOption = None,
 ) -> None:
     """Write a champion's network, with fixed weights, for use elsewhere."""
     from neol.base.files import write_atomically
-    from neol.champions.export import to_json, to_python
+    from neol.champions.export import to_json
     from neol.champions.onnx_export import to_onnx
     from neol.champions.player import load_champion
 
     check_output(output)
-    write = {"json": to_json, "onnx": to_onnx, "python": to_python}[kind]
+    write = {"json": to_json, "onnx": to_onnx}[kind]
     player = load_champion(record, seed)
     write_atomically(output, write(player))
     print(f"{output}: champion of seed {player.spec.seed}, {player.spec.task.environment}")

@@ -48,7 +48,7 @@ def test_replay_says_that_there_are_no_more() -> None:
     assert len(rows) == 1
 
 
-@pytest.mark.parametrize("command", ["replay", "show", "export --format python --output a.py"])
+@pytest.mark.parametrize("command", ["replay", "show", "export --format json --output a.json"])
 def test_a_record_of_another_environment(command: str, tmp_path: Path) -> None:
     record = read_record(tmp_path / "a.parquet")
     task = record.spec.task.model_copy(update={"environment": "LunarLander-v3"})
@@ -172,7 +172,7 @@ def _cells(line: str) -> list[str]:
     return re.split(r" {2,}", line.strip())
 
 
-@pytest.mark.parametrize("kind", ["json", "python", "onnx"])
+@pytest.mark.parametrize("kind", ["json", "onnx"])
 def test_export_writes_a_network(kind: str, tmp_path: Path) -> None:
     if kind == "onnx":
         pytest.importorskip("onnx")
@@ -181,8 +181,6 @@ def test_export_writes_a_network(kind: str, tmp_path: Path) -> None:
     content = (tmp_path / "out").read_bytes()
     if kind == "json":
         assert json.loads(content)["seed"] == 4
-    elif kind == "python":
-        compile(content, "out", "exec")
     else:
         assert b"CartPole-v1" in content
 
@@ -215,10 +213,7 @@ def test_the_examples_of_the_help_work(command: str, tmp_path: Path) -> None:
         ("compare", "Missing argument"),
         ("compare a.parquet none.parquet", "none.parquet: cannot be read"),
         ("export a.parquet --output a", "Missing option '--format'"),
-        (
-            "export a.parquet --format xml --output a",
-            "'xml' is not one of 'json', 'onnx', 'python'",
-        ),
+        ("export a.parquet --format xml --output a", "'xml' is not one of 'json', 'onnx'"),
         ("export a.parquet --format json --output .", ".: is a folder; name a file in it"),
     ],
 )
@@ -247,5 +242,5 @@ def test_the_commands_of_the_document_work(tmp_path: Path) -> None:
         outcome = neol(command.replace("$record", record))
         assert outcome.exit_code == 0, outcome.stderr
     assert {path.name for path in tmp_path.iterdir()} >= {
-        "moon.gif", "network.png", "learning.png", "moon.py"
+        "moon.gif", "network.png", "learning.png", "moon.json"
     }  # fmt: skip
