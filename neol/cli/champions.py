@@ -64,7 +64,7 @@ def replay(
     if differing:
         complain(
             f"{record}: does not agree in episode {', '.join(differing)} of seed "
-            f"{player.spec.seed}; neol verify RECORD --replay-champions 1 says why"
+            f"{player.spec.seed}: edited, or made on a machine that rounds differently"
         )
         raise typer.Exit(DISAGREES)
 

@@ -117,12 +117,12 @@ def _repeat(
                 done.append(
                     replays.replay_champion(run) if champion else replays.replay(run, generations)
                 )
-            found = list(replays.findings(done[-1:]))
+            problem = done[-1].problem
         except UserError as error:
-            found = [Problem(run[0], f"cannot be repeated: {error}", run[1])]
-        for finding in found:
-            print(finding, flush=True)
-        findings += found
+            problem = Problem(run[0], f"cannot be repeated: {error}", run[1])
+        if problem:
+            print(problem, flush=True)
+            findings.append(problem)
     whole = [each.generations for each in done if each.generations]
     parts = []
     if replay:

@@ -122,7 +122,7 @@ def test_a_replay_that_differs_ends_with_3(tmp_path: Path) -> None:
     assert outcome.exit_code == 3
     assert "77.5" in outcome.stdout
     (line,) = outcome.stderr.splitlines()
-    assert line.startswith("neol: altered.parquet: does not agree in episode 2 of seed 3; ")
+    assert line.startswith("neol: altered.parquet: does not agree in episode 2 of seed 3: edited")
     assert neol("replay altered.parquet --episodes 2").exit_code == 0
     assert neol("replay altered.parquet --seed 4").exit_code == 0
 

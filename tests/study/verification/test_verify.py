@@ -1,6 +1,5 @@
-"""Verification and replays: what a difference means, draws, manifests. Errors: planted."""
+"""Verification and replays: draws, summaries, manifests. Errors: planted."""
 
-import dataclasses
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,23 +13,12 @@ from neol.spec.configuration import load_configuration
 from neol.spec.observations import size_of
 from neol.study.campaign.jobs import jobs
 from neol.study.verification.manifest import NAME, read_manifest, write_manifest
-from neol.study.verification.replays import (
-    LIBM_DIGEST,
-    Difference,
-    Replay,
-    Run,
-    draw,
-    findings,
-    libm_digest,
-    machine_differences,
-)
+from neol.study.verification.replays import Replay, Run, draw
 from tests.helpers.command import neol
 from tests.helpers.damage import Json, forge_record
-from tests.run.test_digests import SAME_LAST_BITS
 from tests.study.verification.campaign import (
     HEBB,
     HOPPER,
-    MADE_BY,
     NEAT,
     OJA,
     TRIALS,
@@ -39,12 +27,6 @@ from tests.study.verification.campaign import (
 )
 from tests.study.verification.planted.contents import seal_spec
 
-OTHER = MADE_BY.model_copy(
-    update={"libc": "musl 1.2", "versions": MADE_BY.versions | {"numba": "2"}}
-)
-LAST_BIT = Difference(2, "mean_fitness", 1.0, 1.0000000000000002)
-LARGE = [Difference(2, name, 1.0, 5.0) for name in ("best_fitness", "mean_fitness")]
-
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
@@ -52,70 +34,6 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     make_campaign(folder)
     with patch_budget():
         yield folder
-
-
-def replayed(*differences: Difference, made_by: object = MADE_BY, **changes: object) -> Replay:
-    run = Replay((Path("a"), 0), MADE_BY, 2, False, differences)
-    return dataclasses.replace(run, made_by=made_by, **changes)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("replay", "meaning"),
-    [
-        (replayed(*LARGE), "edited: this machine has the same versions, CPU and libc"),
-        (replayed(LAST_BIT), "edited: this machine has the same"),
-        (
-            replayed(LAST_BIT, made_by=OTHER),
-            "this machine computes differently: it begins in the last bits, and numba is 2 there "
-            "and 1.0 here, libc is musl 1.2 there and glibc 2.36 here",
-        ),
-        (
-            replayed(*LARGE, made_by=OTHER),
-            "edited, or this machine computes differently: numba",
-        ),
-        (replayed(LARGE[0], made_by=OTHER), "edited: the other values of this generation agree"),
-        (  # weights alone may round apart, and what differs may die out
-            replayed(Difference(1, "weight_change_mean", 1.0, 1.1), made_by=OTHER),
-            "edited, or this machine computes differently: numba is 2 there",
-        ),
-        (
-            replayed(Difference(5, "evaluations", 30, 31), made_by=OTHER),
-            "edited: no machine gives another value",
-        ),
-        (
-            replayed(*LARGE, made_by=MADE_BY.model_copy(update={"commit": "fedcba987654"})),
-            "edited, or made by other code (commit fedcba9876 there, 0123456789 here): this",
-        ),
-        (
-            replayed(*LARGE, made_by=MADE_BY.model_copy(update={"dirty": True})),
-            "edited, or made by other code (commit 0123456789-dirty there, 0123456789 here): this",
-        ),
-    ],
-)
-def test_what_a_difference_means(
-    replay: Replay, meaning: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("neol.study.verification.replays.provenance", lambda: MADE_BY)
-    monkeypatch.setattr("neol.study.verification.replays.libm_digest", lambda: LIBM_DIGEST)
-    (finding,) = findings([replay])
-    assert finding.meaning.startswith(meaning)
-
-
-def test_the_same_machine_has_no_differences_though_its_cores_are_others(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("platform.machine", lambda: "x86_64")
-    monkeypatch.setattr("neol.study.verification.replays.libm_digest", lambda: LIBM_DIGEST)
-    here = MADE_BY.model_copy(update={"cpu": "64 x some CPU", "host": "there"})
-    assert machine_differences(MADE_BY, here) == ""
-    assert machine_differences(MADE_BY.model_copy(update={"versions": {}}), here) == ""
-    monkeypatch.setattr("neol.study.verification.replays.libm_digest", lambda: "")
-    assert machine_differences(MADE_BY, here).startswith("sine or tanh is glibc's")
-
-
-@pytest.mark.skipif(not SAME_LAST_BITS, reason="the digest was made on x86-64 Linux with glibc")
-def test_libm_rounds_as_it_does_where_the_known_digests_come_from() -> None:
-    assert libm_digest() == LIBM_DIGEST
 
 
 def test_draws_are_the_seeds_and_never_repeat() -> None:
@@ -277,7 +195,7 @@ def test_runs_and_champions_are_drawn_apart(
     def note(place: int) -> Callable[..., Replay]:
         def play(run: Run, *_: int) -> Replay:
             drawn[place].append(run)
-            return replayed()
+            return Replay(0, None)
 
         return play
 
