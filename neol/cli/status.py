@@ -28,10 +28,9 @@ def status(
         str, typer.Option("--tasks", help="Some of its tasks only, like cartpole,hopper.")
     ] = "",
 ) -> None:
-    """Say what of a campaign is done, running, failed or missing, and what the rest will cost.
+    """Show what of a campaign is done, running, failed or missing, and what the rest will cost.
 
-    Core-hours are those of the process that runs and its threads: the time of worker processes
-    (`neol run --workers`, the reference engine's) is in no record.
+    Costs are those measured in docs/benchmarks.md, on the machine named there.
     """
     from rich.console import Console
 

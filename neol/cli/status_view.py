@@ -58,11 +58,10 @@ def _table(status: Status) -> RenderableType:
         table.add_column(name, no_wrap=True)
     for name in ("runs", *JOB_STATES, "core-hours left"):
         table.add_column(name, justify="right")
-    table.add_column("estimated from")
     for row in status.rows:
         hours = "unknown" if row.core_hours is None else f"{row.core_hours:,.2f}"
         counts = [str(row.states[state] or "-") for state in JOB_STATES]
-        table.add_row(row.task, row.part, str(row.states.total()), *counts, hours, row.basis or "-")
+        table.add_row(row.task, row.part, str(row.states.total()), *counts, hours)
     return table
 
 
@@ -75,11 +74,11 @@ def _outlook(status: Status) -> str:
     unknown = dict.fromkeys(row.task for row in rows if row.core_hours is None)
     parts = [f"about {hours:,.2f} core-hours are left"] if hours else []
     if unknown:
-        parts.append(f"what {', '.join(unknown)} will cost is unknown until a run of it is done")
+        parts.append(f"what {', '.join(unknown)} will cost was never measured")
     if not status.of("running"):
         parts.append("nothing is running just now")
     elif status.seconds_left is not None:
-        parts.append(f"{duration(status.seconds_left)} at the present rate")
+        parts.append(f"{duration(status.seconds_left)} on a core for each job that runs")
     sentence = "; ".join(parts)
     return f"{sentence[0].upper()}{sentence[1:]}."
 

@@ -38,8 +38,6 @@ class Finished:
     best_fitness: float
     held_out: float | None
     """Mean return of the champion in fresh episodes; None if all of them failed."""
-    cpu_seconds: float
-    wall_seconds: float
     time: datetime
 
 
@@ -139,8 +137,6 @@ class Folder:
                     spec=job.spec.model_copy(update={"seed": info.seed}),
                     best_fitness=info.champion.fitness,
                     held_out=info.held_out.mean,
-                    cpu_seconds=info.cpu_seconds,
-                    wall_seconds=info.wall_seconds,
                     time=_time(path, info.provenance.time),
                 )
                 for info in infos
