@@ -15,7 +15,7 @@ from neol.pictures.style import GREY, WIDTH, Style, drawing, footer, styles
 from neol.spec.constants import Budget
 from neol.study.campaign.exhibits import shown_methods
 from neol.study.campaign.variants import BASELINE
-from neol.study.outcomes.effects import COMPARISONS, SOLVED
+from neol.study.outcomes.effects import COMPARISONS, thresholds
 from neol.study.outcomes.outcomes import EQUAL
 
 GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
@@ -247,7 +247,7 @@ def _ranges(table: pd.DataFrame, budget: Budget) -> Iterable[str]:
 
 def _no_threshold(budget: Budget) -> str:
     """Which tasks cannot be put together with others."""
-    without = [task_label(task) for task in budget.tasks if task not in SOLVED]
+    without = [task_label(task) for task in budget.tasks if task not in thresholds()]
     return f" Left out, having no threshold: {', '.join(without)}." if without else ""
 
 

@@ -8,11 +8,14 @@ that makes their runs alike, the intervals of a difference are too wide rather t
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
+import gymnasium
 import numpy as np
 import pandas as pd
 
+from neol.spec.configuration import load_configuration
 from neol.spec.constants import Budget
 from neol.study.campaign.exhibits import challengers, shown_methods
 from neol.study.outcomes import paper_numbers
@@ -64,8 +67,17 @@ COMPARISONS = (
     Family(HELD_OUT, "table4", "held_out", ABLATION, False),
 )
 """Four of three rules on four tasks make the declared family of 48 tests."""
-SOLVED = {"cartpole": 475.0, "lunar_lander": 200.0, "hopper": 3800.0, "bipedal_walker": 300.0}
-"""Gymnasium's own reward thresholds: the unit in which returns of all tasks are put together."""
+
+
+@cache
+def thresholds() -> dict[str, float]:
+    """Gymnasium's reward thresholds: the unit in which returns of all tasks are put together.
+
+    Of each of the paper's tasks that has one.
+    """
+    environments = {name: task.environment for name, task in load_configuration().tasks.items()}
+    found = {name: gymnasium.spec(each).reward_threshold for name, each in environments.items()}
+    return {name: threshold for name, threshold in found.items() if threshold is not None}
 
 
 def effects(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
@@ -201,9 +213,9 @@ def _chosen(outcomes: Outcomes, setting: str, task: str, method: str, metric: st
 def _normalised(outcomes: Outcomes, tasks: Sequence[str], method: str) -> dict[str, Floats]:
     """A method's final fitness on each task that has a threshold, divided by it."""
     return {
-        task: _chosen(outcomes, "table3", task, method, "final_best") / SOLVED[task]
+        task: _chosen(outcomes, "table3", task, method, "final_best") / thresholds()[task]
         for task in tasks
-        if task in SOLVED
+        if task in thresholds()
     }
 
 
