@@ -1,7 +1,8 @@
 """Whether a genome that came from a file is one: everything that the kernels rely on."""
 
+from graphlib import CycleError, TopologicalSorter
+
 import numpy as np
-import numpy.typing as npt
 
 from neol.neat.genome import Genome
 
@@ -33,15 +34,10 @@ def check_genome(genome: Genome, inputs: int, outputs: int) -> None:
     }.items():
         if not holds:
             raise ValueError(f"genome {genome.id}: {what}")
-    if _has_cycle(connections["source"], connections["target"]):
-        raise ValueError(f"genome {genome.id}: its connections form a cycle")
-
-
-def _has_cycle(source: npt.NDArray[np.int64], target: npt.NDArray[np.int64]) -> bool:
-    """Take away connections out of nodes that nothing feeds until none is left, or none can go."""
-    while len(source):
-        fed = np.isin(source, target)
-        if fed.all():
-            return True
-        source, target = source[fed], target[fed]
-    return False
+    order = TopologicalSorter[int]()
+    for source, target in connections[["source", "target"]].tolist():
+        order.add(target, source)
+    try:
+        order.prepare()
+    except CycleError:
+        raise ValueError(f"genome {genome.id}: its connections form a cycle") from None
