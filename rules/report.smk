@@ -54,7 +54,7 @@ rule report_page:
         shown=made_by(*NOTEBOOKS),
         captions=sorted(glob("paper/captions/*.rst")),
         assumptions="docs/assumptions.md",
-        metadata="pyproject.toml",
+        citation="CITATION.cff",
         code=WORDS,
     output:
         REPORT,
@@ -103,7 +103,7 @@ rule results_page:
 rule paper_numbers:
     input:
         shown=NUMBERS,
-        metadata="pyproject.toml",
+        citation="CITATION.cff",
         code=WORDS,
     output:
         f"build/{LABEL}/paper/results.tex",

@@ -18,7 +18,7 @@ from neol.study.campaign.shown import snakemake_options
 from neol.study.outcomes.campaign_runs import Source
 
 MAX_BYTES = 2**27
-INPUTS = ("paper", "notebooks", "rules", "Snakefile", "pyproject.toml")
+INPUTS = ("paper", "notebooks", "rules", "Snakefile", "CITATION.cff")
 """What decides, beside code, constants and records, what tables and figures say."""
 
 

@@ -23,6 +23,7 @@ from neol.study.claims.claims import Claim, load_claims
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.output.captions import describe_budget, lacking
 from neol.study.output.sidecar import INPUTS, Sidecar
+from neol.study.report.citation import citation
 from neol.study.report.inputs import (
     command_line,
     read,
@@ -31,7 +32,6 @@ from neol.study.report.inputs import (
     vouched_frame,
     vouched_table,
 )
-from neol.study.report.metadata import metadata
 from neol.study.report.showcase import Showcase, Shown
 
 CAPTIONS = ROOT / "paper" / "captions"
@@ -75,7 +75,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     showcase = Showcase.model_validate_json(read(champions))
     return render(
         "page.html.j2",
-        project=metadata(),
+        project=citation(),
         budget=configuration.budget,
         options=snakemake_options(configuration.budget),
         described=describe_budget(configuration),

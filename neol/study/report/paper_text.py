@@ -28,8 +28,8 @@ from neol.study.output.captions import (
 )
 from neol.study.output.latex import escape
 from neol.study.report import words
+from neol.study.report.citation import citation
 from neol.study.report.inputs import command_line, vouched_frame, vouched_table
-from neol.study.report.metadata import metadata
 from neol.study.tables.table import Table, latex_entry
 
 TABLES = range(1, 9)
@@ -66,14 +66,14 @@ def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
 
 def results_tex(campaign: Campaign, figures: Path) -> str:
     """What the paper inputs: its numbers, and macros for what is no number."""
-    project = metadata()
+    project = citation()
     configuration = campaign.configuration
     texts = {
         "figures": figures.as_posix(),
-        "projecttitle": escape(project.title),
-        "projectauthors": escape(", ".join(project.authors)),
-        "projectversion": escape(project.version),
-        "papertitle": escape(project.paper.title),
+        "projecttitle": escape(project["title"]),
+        "projectauthors": escape(", ".join(author["name"] for author in project["authors"])),
+        "projectversion": escape(project["version"]),
+        "papertitle": escape(project["references"][0]["title"]),
         "contradictions": _items(
             f"Table {table}: {text}"
             for table, sentences in paper_numbers.CONTRADICTIONS.items()
