@@ -32,6 +32,7 @@ from neol.random.pcg64 import seed_pcg64
 from neol.rollout.worlds.box2d.library import (
     FLAGS,
     FOLDER,
+    LANES,
     LIBRARY,
     LOCK,
     PATHS,
@@ -110,15 +111,18 @@ def compile_core(flags: Sequence[str], output: Path, *extra_sources: Path) -> No
         definition = f'-DNEOL_STAMP="{stamp()}"'
         command = [*compiler, *flags, *headers, definition]
 
-        def compile_unit(unit: Path) -> Path:
-            result = folder / f"{unit.stem}.o"
+        def compile_unit(unit: Path, *extra_flags: str) -> str:
+            result = str(folder / f"{'-'.join([unit.stem, *extra_flags])}.o")
             warnings = ("-w",) if unit == box2d else WARNINGS
-            _run([*command, *warnings, "-c", str(unit), "-o", str(result)], COMPILER_FAILED)
+            final = [*warnings, *extra_flags, "-c", str(unit), "-o", result]
+            _run([*command, *final], COMPILER_FAILED)
             return result
 
+        jobs: list[tuple[Path | str, ...]] = [(FOLDER / "lanes.cpp", *kind) for kind in LANES]
+        jobs += [(unit,) for unit in (box2d, *FOLDER.glob("*.cpp"), *extra_sources)]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            objects = list(pool.map(compile_unit, [box2d, *FOLDER.glob("*.cpp"), *extra_sources]))
-        _run([*compiler, *flags, *map(str, objects), "-o", str(output)], COMPILER_FAILED)
+            objects = list(pool.map(lambda job: compile_unit(*job), jobs))
+        _run([*compiler, *flags, *objects, "-o", str(output)], COMPILER_FAILED)
 
 
 def build() -> bool:

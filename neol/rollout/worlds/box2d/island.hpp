@@ -15,8 +15,6 @@
 
 namespace neol {
 
-constexpr int max_contacts = 24;  // more would be out of the ordinary
-
 // What a contact's position iterations read. Of the two bodies one is the ground: what is given in
 // its frame is computed once.
 struct ContactPlace {
@@ -46,15 +44,8 @@ struct Place {
   }
 };
 
-class Island {
+class Island : public Constraints {
  public:
-  // What all velocity iterations change and read: equal states go on equally.
-  struct State {
-    Velocity<float> velocity[max_bodies];
-    JointImpulse<float> joint[max_joints];
-    ContactImpulse<float> contact[max_contacts];
-  };
-
   // The order of parts and joints in a new world's island.
   void attach(b2World* world);
 
@@ -72,16 +63,9 @@ class Island {
   // Writes the results to the world, sends resting parts to sleep.
   void write(const b2TimeStep& step);
 
-  int bodies = 0, joints = 0, contacts = 0;
   b2Body* body[max_bodies];
   b2RevoluteJoint* joint[max_joints];
   int body_a[max_joints], body_b[max_joints];  // of a joint
-
-  State state;
-  HingeImpulse<float> hinge[max_joints];
-  JointTerms<float> joint_terms[max_joints];
-  ContactTerms<float> contact_terms[max_contacts];
-  int contact_body[max_contacts];
 
  private:
   bool read_contact(const b2TimeStep& step, b2Contact* contact, int index);

@@ -2,6 +2,7 @@
 
 import ctypes
 import hashlib
+import platform
 import sys
 from pathlib import Path
 
@@ -18,6 +19,16 @@ FLAGS = (
     "-fvisibility=hidden",
 )
 
+LANES = {
+    "x86_64": (
+        ("-DNEOL_LANES=sse2",),
+        ("-DNEOL_LANES=avx2", "-mavx2"),
+        ("-DNEOL_LANES=avx512", "-mavx512f", "-mavx512vl", "-mavx512dq"),
+    ),
+    "aarch64": (("-DNEOL_LANES=neon",),),
+}.get({"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine()), ())
+"""Flags for each kind of vector of this processor's family; which it has, the core asks it."""
+
 TASKS = ("LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3")
 """Gymnasium ids in the order of the core's own numbers for them."""
 PATHS = ("plain", "shortcut", "sse2", "avx2", "avx512", "neon")
@@ -26,7 +37,7 @@ PATHS = ("plain", "shortcut", "sse2", "avx2", "avx512", "neon")
 
 def stamp() -> str:
     """Digest of all that a library is made from: our sources, the lock of Box2D's, the flags."""
-    digest = hashlib.sha256(" ".join(FLAGS).encode())
+    digest = hashlib.sha256(repr((FLAGS, LANES)).encode())
     for pattern in ("*.lock", "*.?pp", "stub/**/*.h"):
         for path in sorted(FOLDER.glob(pattern)):
             digest.update(path.read_bytes())

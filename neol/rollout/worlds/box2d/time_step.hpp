@@ -38,9 +38,4 @@ class TimeStep {
   bool ground_is_reset_ = false;
 };
 
-// The velocity iterations of one world, until they repeat: the state of all that they read has then
-// come back, bit for bit, so what they did since will recur. Only the impulses of hinges go on
-// adding up, and those additions are made, each in its turn.
-void iterate(Island& island, int iterations);
-
 }  // namespace neol

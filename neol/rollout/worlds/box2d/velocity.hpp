@@ -10,6 +10,8 @@
 // include too: the linker keeps one copy of an inline function, and that must run on every machine.
 #pragma once
 
+#define NEOL_INLINE inline __attribute__((always_inline))
+
 namespace neol {
 
 // What a comparison of Reals gives; all its bits are set where it holds. One word a lane.
@@ -35,8 +37,9 @@ struct BipedalWalkerParts {
   static constexpr int body_a[] = {1, 2, 2, 3}, body_b[] = {0, 1, 3, 4};
 };
 
-// The most that an island of a task can have, contacts apart.
-constexpr int max_bodies = 5, max_joints = 4;
+// The most that an island can have: of bodies and joints the tasks have no more, and with more
+// contacts it would be out of the ordinary.
+constexpr int max_bodies = 5, max_joints = 4, max_contacts = 24;
 
 template <class Real>
 struct Velocity {
@@ -87,15 +90,31 @@ struct ContactImpulse {
   Real normal[2], tangent[2];
 };
 
+// All of one island, contacts in the order of their bodies.
+struct Constraints {
+  // What iterations read and change: from equal states they go on equally.
+  struct State {
+    Velocity<float> velocity[max_bodies];
+    JointImpulse<float> joint[max_joints];
+    ContactImpulse<float> contact[max_contacts];
+  };
+  State state;
+  HingeImpulse<float> hinge[max_joints];
+  JointTerms<float> joint_terms[max_joints];
+  ContactTerms<float> contact_terms[max_contacts];
+  int contact_body[max_contacts];
+  int bodies = 0, joints = 0, contacts = 0;
+};
+
 template <class Real>
-inline Real clamp(Real value, Real low, Real high) {
+NEOL_INLINE Real clamp(Real value, Real low, Real high) {
   value = value < high ? value : high;
   return low > value ? low : value;
 }
 
 // The same for a mask: a scalar's mask is a truth value, which ~ would not negate.
 template <class Real>
-inline Mask<Real> and_not(Mask<Real> a, Mask<Real> b) {
+NEOL_INLINE Mask<Real> and_not(Mask<Real> a, Mask<Real> b) {
   if constexpr (sizeof(Real) == sizeof(float))
     return a && !b;
   else
@@ -104,7 +123,7 @@ inline Mask<Real> and_not(Mask<Real> a, Mask<Real> b) {
 
 // `limited`: whether the joint is at a limit in any lane.
 template <class Real>
-inline void solve_joint(const JointTerms<Real>& joint, bool limited, JointImpulse<Real>& impulse,
+NEOL_INLINE void solve_joint(const JointTerms<Real>& joint, bool limited, JointImpulse<Real>& impulse,
                         HingeImpulse<Real>& hinge, Velocity<Real>& a, Velocity<Real>& b) {
   {
     const Real rate = b.turn - a.turn - joint.speed;
@@ -158,18 +177,18 @@ inline void solve_joint(const JointTerms<Real>& joint, bool limited, JointImpuls
 
 // Velocity of a point of contact relative to the ground, along a direction.
 template <class Real>
-inline Real rate_along(const PointTerms<Real>& point, const Velocity<Real>& body, Real x, Real y) {
+NEOL_INLINE Real rate_along(const PointTerms<Real>& point, const Velocity<Real>& body, Real x, Real y) {
   return (body.x - body.turn * point.arm_y - point.ground_x) * x +
          (body.y + body.turn * point.arm_x - point.ground_y) * y;
 }
 
 template <class Real>
-inline Real torque(const PointTerms<Real>& point, Real x, Real y) {
+NEOL_INLINE Real torque(const PointTerms<Real>& point, Real x, Real y) {
   return point.arm_x * y - point.arm_y * x;
 }
 
 template <class Real>
-inline void solve_friction(const ContactTerms<Real>& contact, const PointTerms<Real>& point,
+NEOL_INLINE void solve_friction(const ContactTerms<Real>& contact, const PointTerms<Real>& point,
                            Real normal, Real& tangent, Velocity<Real>& body) {
   const Real along_x = contact.normal_y, along_y = -contact.normal_x;
   const Real most = contact.friction * normal;
@@ -186,7 +205,7 @@ inline void solve_friction(const ContactTerms<Real>& contact, const PointTerms<R
 
 // The block solver: the first that is valid of the four cases of which points push, or else none.
 template <class Real>
-inline Mask<Real> solve_two_points(const ContactTerms<Real>& contact, Real rate1, Real rate2,
+NEOL_INLINE Mask<Real> solve_two_points(const ContactTerms<Real>& contact, Real rate1, Real rate2,
                                    const Real (&old)[2], Real& x, Real& y) {
   const Real zero{};
   const Real b1 = rate1 - contact.point[0].bias - (contact.k11 * old[0] + contact.k12 * old[1]);
@@ -208,7 +227,7 @@ inline Mask<Real> solve_two_points(const ContactTerms<Real>& contact, Real rate1
 
 // `two`: whether the contact has two points in any lane.
 template <class Real>
-inline void solve_contact(const ContactTerms<Real>& contact, bool two,
+NEOL_INLINE void solve_contact(const ContactTerms<Real>& contact, bool two,
                           ContactImpulse<Real>& impulse, Velocity<Real>& velocity) {
   const PointTerms<Real>&first = contact.point[0], &second = contact.point[1];
   const Real normal_x = contact.normal_x, normal_y = contact.normal_y;
