@@ -27,10 +27,10 @@ def mutate_values(values: npt.NDArray[np.float64], rates: Values, random: State)
     noise = standard_normals(len(values), random)
     for i in range(len(values)):
         chance = next_double(random)
-        if chance < rates.mutate_rate:
-            values[i] = _clip(values[i] + rates.mutate_power * noise[i], rates.limit)
-        elif chance < rates.mutate_rate + rates.replace_rate:
-            values[i] = _clip(rates.init_sd * noise[i], rates.limit)
+        perturbed, fresh = values[i] + rates.mutate_power * noise[i], rates.init_sd * noise[i]
+        changed = _clip(perturbed if chance < rates.mutate_rate else fresh, rates.limit)
+        if chance < rates.mutate_rate + rates.replace_rate:
+            values[i] = changed
 
 
 @kernel

@@ -41,16 +41,17 @@ def crossover(
         if other_connections[o].innovation == connections[c].innovation:
             if not (connections[c].enabled and other_connections[o].enabled):
                 connections[c].enabled = next_double(random) >= disable_rate
-            if next_double(random) < 0.5:
-                connections[c].weight = other_connections[o].weight
+            ours, theirs = connections[c].weight, other_connections[o].weight
+            connections[c].weight = theirs if next_double(random) < 0.5 else ours
     o = 0
     for n in range(len(nodes)):
         while o < len(other_nodes) and other_nodes[o].id < nodes[n].id:
             o += 1
         if o == len(other_nodes):
             break
-        if other_nodes[o].id == nodes[n].id and next_double(random) < 0.5:
-            nodes[n].bias = other_nodes[o].bias
+        if other_nodes[o].id == nodes[n].id:
+            ours, theirs = nodes[n].bias, other_nodes[o].bias
+            nodes[n].bias = theirs if next_double(random) < 0.5 else ours
 
 
 @kernel
