@@ -73,7 +73,7 @@ def add_connection(
     if source >= inputs:
         source = nodes[outputs + source - inputs].id
     target = nodes[below(len(nodes), random)].id
-    if is_connected(connections, source, target) or reaches(connections, target, source):
+    if is_connected(connections, source, target) or reaches(nodes, connections, target, source):
         return connections
     innovation = connection_number(innovations, source, target)
     value = np.empty(1)
@@ -148,17 +148,16 @@ def is_connected(connections: Genes, source: int, target: int) -> bool:
 
 
 @kernel
-def reaches(connections: Genes, start: int, goal: int) -> bool:
+def reaches(nodes: Genes, connections: Genes, start: int, goal: int) -> bool:
     """Whether a path along connections, enabled or not, leads from one node to another."""
-    reached = {start}
-    grows = True
-    while grows and goal not in reached:
+    reached = np.zeros(nodes[-1].id + 1, dtype=np.bool_)
+    reached[start] = grows = True
+    while grows and not reached[goal]:
         grows = False
         for c in range(len(connections)):
-            if connections[c].source in reached and connections[c].target not in reached:
-                reached.add(connections[c].target)
-                grows = True
-    return goal in reached
+            if reached[connections[c].source] and not reached[connections[c].target]:
+                reached[connections[c].target] = grows = True
+    return bool(reached[goal])
 
 
 @kernel

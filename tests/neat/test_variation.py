@@ -1,5 +1,7 @@
 """Crossover and mutation: hand-made genomes, and properties of grown ones."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -29,6 +31,7 @@ from tests.helpers.genomes import (
     populations,
     stream,
 )
+from tests.neat.plain_reproduction import Connection, PlainGenome
 
 NEAT = neat_constants()
 RATES = Rates.of(NEAT)
@@ -197,9 +200,21 @@ def test_add_connection_never_closes_a_cycle_nor_doubles_one() -> None:
 
 def test_reaches() -> None:
     chain = genome_of([(0, 0, 5, 1.0, True), (1, 6, 3, 1.0, True), (2, 5, 6, 1.0, False)], [5, 6])
-    assert reaches(chain.connections, 5, 3)
-    assert reaches(chain.connections, 5, 5)
-    assert not reaches(chain.connections, 6, 5)
+    assert reaches(chain.nodes, chain.connections, 5, 3)
+    assert reaches(chain.nodes, chain.connections, 5, 5)
+    assert not reaches(chain.nodes, chain.connections, 6, 5)
+
+
+@given(populations)
+@settings(max_examples=30, deadline=None)
+def test_reaching_is_that_of_a_plain_twin(grown: tuple[list[Genome], Reproduction]) -> None:
+    """Between all nodes, inputs too, of each genome."""
+    for genome in grown[0]:
+        plain = PlainGenome({}, {n: Connection(s, t, w) for n, s, t, w, _ in genome.connections})
+        every = [*range(INPUTS), *genome.nodes["id"].tolist()]
+        for start, goal in itertools.product(every, every):
+            reached = reaches(genome.nodes, genome.connections, start, goal)
+            assert reached == plain.leads(start, goal)
 
 
 def test_a_perturbation_has_the_power_of_the_configuration() -> None:
