@@ -102,30 +102,24 @@ def decode(
     pool's: `encode_weights` writes learned weights back along it. Connections of a node are
     ordered by innovation number; disabled ones are left out.
     """
-    enabled = int(np.count_nonzero(pool.connections["enabled"]))
+    room = len(pool.connections)
+    source, weight = np.empty(room, dtype=np.int64), np.empty(room)
+    gene = np.empty(room, dtype=np.int64)
+    bias, edge_offset = np.empty(len(pool.nodes)), np.zeros(len(pool.nodes) + 1, dtype=np.int64)
+    _decode(pool, inputs, outputs, bias, edge_offset, source, weight, gene)
+    enabled = edge_offset[-1]
     networks = Networks(
         inputs=inputs,
         outputs=outputs,
         activation=ACTIVATIONS[network.hidden_activation],
         sum_limit=network.sum_limit,
         node_offset=pool.node_offset,
-        bias=np.empty(len(pool.nodes)),
-        edge_offset=np.zeros(len(pool.nodes) + 1, dtype=np.int64),
-        source=np.empty(enabled, dtype=np.int64),
-        weight=np.empty(enabled),
+        bias=bias,
+        edge_offset=edge_offset,
+        source=source[:enabled],
+        weight=weight[:enabled],
     )
-    gene = np.empty(enabled, dtype=np.int64)
-    _decode(
-        pool,
-        inputs,
-        outputs,
-        networks.bias,
-        networks.edge_offset,
-        networks.source,
-        networks.weight,
-        gene,
-    )
-    return networks, gene
+    return networks, gene[:enabled]
 
 
 def encode_weights(
@@ -147,22 +141,21 @@ def _decode(
     gene: npt.NDArray[np.int64],
 ) -> None:
     """Write each genome's network into the batch's arrays."""
-    index_of = np.empty(pool.nodes["id"].max() + 1, dtype=np.int64)
-    edge = 0
-    for genome in range(len(pool.node_offset) - 1):
-        first_node, last_node = pool.node_offset[genome], pool.node_offset[genome + 1]
-        first_gene, last_gene = pool.connection_offset[genome], pool.connection_offset[genome + 1]
-        edge = _decode_genome(
-            pool.nodes[first_node:last_node],
-            pool.connections[first_gene:last_gene],
+    nodes, node_offset, connections, connection_offset = pool
+    number_of = np.empty(nodes["id"].max() + 1, dtype=np.int64)
+    number_of[:inputs] = np.arange(inputs)
+    for genome in range(len(node_offset) - 1):
+        first_node, last_node = node_offset[genome], node_offset[genome + 1]
+        first_gene, last_gene = connection_offset[genome], connection_offset[genome + 1]
+        _decode_genome(
+            nodes[first_node:last_node],
+            connections[first_gene:last_gene],
             inputs,
             outputs,
-            index_of,
-            first_node,
+            number_of,
             first_gene,
-            edge,
-            bias,
-            edge_offset,
+            bias[first_node:],
+            edge_offset[first_node:],
             source,
             weight,
             gene,
@@ -175,78 +168,92 @@ def _decode_genome(
     connections: npt.NDArray[np.void],
     inputs: int,
     outputs: int,
-    index_of: npt.NDArray[np.int64],
-    first_node: int,
+    number_of: npt.NDArray[np.int64],
     first_gene: int,
-    first_edge: int,
     bias: npt.NDArray[np.float64],
     edge_offset: npt.NDArray[np.int64],
     source: npt.NDArray[np.int64],
     weight: npt.NDArray[np.float64],
     gene: npt.NDArray[np.int64],
-) -> int:
-    """Write one genome's network into the batch's arrays; return the batch's next free edge.
+) -> None:
+    """Write one genome's network into the batch's arrays, of which bias and edge_offset begin here.
 
-    `index_of` is room for where among the genome's nodes an id stands; each genome fills its own.
+    Its nodes are numbered: inputs first, then the others as the genome stores them. `number_of`
+    is room for these numbers by id.
     """
-    count = len(nodes)
-    for node in range(count):
-        index_of[nodes[node].id] = node
-    from_node = np.full(len(connections), -1, dtype=np.int64)
-    to_node = np.empty(len(connections), dtype=np.int64)
-    incoming = np.zeros(count, dtype=np.int64)
-    waits_for = np.zeros(count, dtype=np.int64)
-    # The connections out of a node, as a linked list: its first one, and each one's next.
-    first_out = np.full(count, -1, dtype=np.int64)
-    next_out = np.empty(len(connections), dtype=np.int64)
-    for c in range(len(connections)):
-        if connections[c].enabled:
-            to_node[c] = index_of[connections[c].target]
-            incoming[to_node[c]] += 1
-            if connections[c].source >= inputs:
-                from_node[c] = index_of[connections[c].source]
-                waits_for[to_node[c]] += 1
-                next_out[c] = first_out[from_node[c]]
-                first_out[from_node[c]] = c
+    size = inputs + len(nodes)
+    for number in range(inputs, size):
+        number_of[nodes[number - inputs].id] = number
+    enabled = _enabled(connections)
+    sources, targets = np.empty_like(enabled), np.empty_like(enabled)
+    incoming = np.zeros(size, dtype=np.int64)
+    for edge in range(len(enabled)):
+        connection = connections[enabled[edge]]
+        sources[edge], targets[edge] = number_of[connection.source], number_of[connection.target]
+        incoming[targets[edge]] += 1
 
-    # Kahn's algorithm: hidden nodes queue up as soon as all that feeds them has its place.
-    # Outputs feed nothing, so they simply follow in their own order.
-    order = np.empty(count, dtype=np.int64)
+    position, next_edge = np.arange(size), np.empty(size, dtype=np.int64)
+    order = _topological_order(sources, targets, inputs, outputs, size)
+    for place in range(len(order)):
+        node = order[place]
+        position[node] = inputs + place
+        bias[place] = nodes[node - inputs].bias
+        next_edge[node] = edge_offset[place]
+        edge_offset[place + 1] = edge_offset[place] + incoming[node]
+    for edge in range(len(enabled)):
+        place = next_edge[targets[edge]]
+        next_edge[targets[edge]] += 1
+        source[place] = position[sources[edge]]
+        weight[place] = connections[enabled[edge]].weight
+        gene[place] = first_gene + enabled[edge]
+
+
+@kernel
+def _enabled(connections: npt.NDArray[np.void]) -> npt.NDArray[np.int64]:
+    """The places of the enabled connections, without a branch: flags are hard to predict."""
+    places, count = np.empty(len(connections), dtype=np.int64), 0
+    for c in range(len(connections)):
+        places[count] = c
+        count += connections[c].enabled
+    return places[:count]
+
+
+@kernel
+def _topological_order(
+    source: npt.NDArray[np.int64],
+    target: npt.NDArray[np.int64],
+    inputs: int,
+    outputs: int,
+    size: int,
+) -> npt.NDArray[np.int64]:
+    """The numbers of the hidden nodes, each after all that feed it, then those of the outputs.
+
+    Kahn's algorithm: hidden nodes queue up as soon as all that feeds them has its place. Outputs
+    feed nothing, so they simply follow in their own order.
+    """
+    waits_for = np.zeros(size, dtype=np.int64)
+    # The connections out of a node, as a linked list: its first one, and each one's next.
+    first_out, next_out = np.full(size, -1, dtype=np.int64), np.empty_like(source)
+    for edge in range(len(source)):
+        waits_for[target[edge]] += source[edge] >= inputs
+        next_out[edge] = first_out[source[edge]]
+        first_out[source[edge]] = edge
+
+    order = np.empty(size - inputs, dtype=np.int64)
+    hidden = inputs + outputs  # the first one's number
     queued = 0
-    for node in range(outputs, count):
+    for node in range(hidden, size):
         if waits_for[node] == 0:
             order[queued] = node
             queued += 1
-    position = np.empty(count, dtype=np.int64)
-    for place in range(count - outputs):
-        position[order[place]] = place
-        c = first_out[order[place]]
-        while c >= 0:
-            target = to_node[c]
-            waits_for[target] -= 1
-            if waits_for[target] == 0 and target >= outputs:
-                order[queued] = target
+    for place in range(size - hidden):
+        edge = first_out[order[place]]
+        while edge >= 0:
+            node = target[edge]
+            waits_for[node] -= 1
+            if waits_for[node] == 0 and node >= hidden:
+                order[queued] = node
                 queued += 1
-            c = next_out[c]
-    for output in range(outputs):
-        order[queued + output] = output
-        position[output] = queued + output
-
-    next_edge = np.empty(count, dtype=np.int64)
-    edge = first_edge
-    for place in range(count):
-        node = order[place]
-        bias[first_node + place] = nodes[node].bias
-        edge_offset[first_node + place] = edge
-        next_edge[node] = edge
-        edge += incoming[node]
-    edge_offset[first_node + count] = edge
-    for c in range(len(connections)):
-        if connections[c].enabled:
-            place = next_edge[to_node[c]]
-            next_edge[to_node[c]] += 1
-            feeds = from_node[c]
-            source[place] = connections[c].source if feeds < 0 else inputs + position[feeds]
-            weight[place] = connections[c].weight
-            gene[place] = first_gene + c
-    return edge
+            edge = next_out[edge]
+    order[size - hidden :] = np.arange(inputs, hidden)
+    return order
