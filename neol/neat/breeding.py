@@ -78,19 +78,25 @@ def breed_all(
     """The children of PARENTS[n], whose places are those in a pool: a pool of n genomes."""
     fitter, offsets = parents["fitter"], np.zeros((2, len(parents) + 1), dtype=np.int64)
     # A child has at most one node and three connections more than its fitter parent.
-    most_nodes = np.sum(np.diff(pool.node_offset)[fitter] + 1)
-    most_connections = np.sum(np.diff(pool.connection_offset)[fitter] + 3)
+    most_nodes = int(np.sum(np.diff(pool.node_offset)[fitter] + 1))
+    most_connections = int(np.sum(np.diff(pool.connection_offset)[fitter] + 3))
     children = Pool(
-        np.empty(most_nodes, dtype=NODE),
-        offsets[0],
-        np.empty(most_connections, dtype=CONNECTION),
-        offsets[1],
+        _room(most_nodes, NODE), offsets[0], _room(most_connections, CONNECTION), offsets[1]
     )
     _breed_all(pool, parents, inputs, outputs, rates, innovations, random, children)
     return children._replace(
         nodes=children.nodes[: children.node_offset[-1]],
         connections=children.connections[: children.connection_offset[-1]],
     )
+
+
+def _room(rows: int, dtype: np.dtype[np.void]) -> npt.NDArray[np.void]:
+    """An array of at least so many rows, a power of two.
+
+    Sizes that change with every generation would make malloc ask the system for new pages each
+    time; a size that comes back gets those of the last but one generation.
+    """
+    return np.empty(2 ** rows.bit_length(), dtype=dtype)
 
 
 @kernel
