@@ -31,8 +31,9 @@ def config(
 ) -> None:
     """Print a budget's resolved configuration as YAML."""
     import json
+    import sys
 
-    import yaml
+    from ruamel.yaml import YAML
 
     from neol.spec import configuration as spec
 
@@ -43,4 +44,4 @@ def config(
     content = configuration.model_dump(
         mode="json", exclude={"tasks": {"__all__": {"name"}}, "budget": {"name"}}
     )
-    print(yaml.safe_dump(content, sort_keys=False), end="")
+    YAML().dump(content, sys.stdout)

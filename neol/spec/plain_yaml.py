@@ -1,11 +1,13 @@
-"""YAML from anyone: plain values only, and no more of them than a configuration needs."""
+"""YAML 1.2 from anyone: plain values only, and no more of them than a configuration needs."""
 
-import re
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import yaml
+from ruamel.yaml import YAML
+from ruamel.yaml.constructor import ConstructorError, SafeConstructor
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from neol.base.errors import UserError
 from neol.base.files import read_bounded
@@ -13,60 +15,34 @@ from neol.base.files import read_bounded
 MAX_BYTES = 2**18
 MAX_VALUES = 2**15
 """With every alias written out: a few lines of aliases to aliases could stand for billions."""
+PLAIN = {f"tag:yaml.org,2002:{k}" for k in ("null", "bool", "int", "float", "str", "seq", "map")}
+"""What JSON has: no dates, sets, bytes or merged mappings."""
 
 
-class _Loader(yaml.SafeLoader):
-    """YAML 1.2's plain scalars (`off` is a word, `1e-3` a number), and no key twice."""
+class _PlainConstructor(SafeConstructor):
+    """Looks at all values before it makes any of them."""
 
-    yaml_implicit_resolvers = {}  # noqa: RUF012  # filled below through PyYAML's own interface
-
-    def construct_document(self, node: yaml.Node) -> Any:
+    def construct_document(self, node: Node) -> Any:
         waiting, seen = [node], 0
         while waiting:
             each = waiting.pop()
             seen += 1
-            if isinstance(each, yaml.SequenceNode):
+            if each.tag not in PLAIN:
+                _refuse(f"{each.tag} is not a plain value", each)
+            if isinstance(each, SequenceNode):
                 waiting += each.value
-            elif isinstance(each, yaml.MappingNode):
-                waiting += [part for pair in each.value for part in pair]
+            elif isinstance(each, MappingNode):
+                for key, value in each.value:
+                    if not isinstance(key, ScalarNode):
+                        _refuse("a key is not a plain value", key)
+                    waiting += key, value
             if seen + len(waiting) > MAX_VALUES:
-                problem = f"more than {MAX_VALUES} values"
-                raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+                _refuse(f"more than {MAX_VALUES} values", node)
         return super().construct_document(node)
 
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys: set[str] = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode):
-                continue
-            if key.value in keys:
-                problem = f'key "{key.value}" stands here a second time'
-                raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
-            keys.add(key.value)
-        return super().construct_mapping(node, deep)
 
-
-_Loader.yaml_constructors = {  # no dates, sets or bytes: what JSON has
-    tag: yaml.SafeLoader.yaml_constructors[tag]
-    for tag in (
-        *(f"tag:yaml.org,2002:{kind}" for kind in ("null", "bool", "int", "float", "str")),
-        *(f"tag:yaml.org,2002:{kind}" for kind in ("seq", "map")),
-        None,
-    )
-}
-for _kind, _pattern, _first in (
-    ("null", r"null|~|", ["n", "~", ""]),
-    ("bool", r"true|false", ["t", "f"]),
-    ("int", r"[-+]?(0|[1-9][0-9]*)", list("-+0123456789")),
-    (
-        "float",
-        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?",
-        list("-+.0123456789"),
-    ),
-):
-    _Loader.add_implicit_resolver(
-        f"tag:yaml.org,2002:{_kind}", re.compile(f"^(?:{_pattern})$"), _first
-    )
+def _refuse(problem: str, node: Node) -> None:
+    raise ConstructorError(None, None, problem, node.start_mark)
 
 
 def read_yaml(path: Path, name: str) -> Any:
@@ -84,12 +60,15 @@ def read_yaml(path: Path, name: str) -> Any:
 @lru_cache(maxsize=64)  # a study lays each variant's few constants over the same files
 def parse_yaml(text: str, name: str) -> Any:
     """The same of a text. Whoever asks again gets the same object: it is not to be changed."""
+    yaml = YAML(typ="safe", pure=True)  # not libyaml, which reads YAML 1.1
+    yaml.Constructor = _PlainConstructor
     try:
-        return yaml.load(text, Loader=_Loader)  # a SafeLoader
-    except yaml.MarkedYAMLError as error:
+        return yaml.load(text)
+    except MarkedYAMLError as error:
         line = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise UserError(f"{name}{line}: {error.problem}") from None
-    except yaml.YAMLError as error:
+        problem, _, _ = error.problem.partition(" with value ")  # of a key's second, of any length
+        raise UserError(f"{name}{line}: {problem}") from None
+    except YAMLError as error:
         raise UserError(f"{name}: {str(error).splitlines()[0]}") from None
     except RecursionError:
         raise UserError(f"{name}: nested too deeply") from None

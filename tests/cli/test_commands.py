@@ -5,12 +5,12 @@ import re
 from pathlib import Path
 
 import pytest
-import yaml
 
 from neol.base.errors import UserError
 from neol.cli.run import parse_seeds
 from neol.run.record_file import read_record
 from neol.spec.configuration import load_configuration
+from neol.spec.plain_yaml import parse_yaml
 from tests.helpers import troubled as troubled
 from tests.helpers.command import TINY, neol, refused, specification
 from tests.helpers.runs import evolve, names
@@ -89,7 +89,7 @@ def test_without_options_the_configuration_holds(monkeypatch: pytest.MonkeyPatch
 
 def test_config_is_a_configuration_that_reads_back() -> None:
     printed = neol("config --budget desk --set neat.elitism=3").stdout
-    content = yaml.safe_load(printed)
+    content = parse_yaml(printed, "config")
     assert content["neat"]["elitism"] == 3
     assert content["budget"]["generations"] == load_configuration("desk").budget.generations
     assert content["methods"]["oja"]["weight_mutation"] == "off"

@@ -6,6 +6,7 @@ by `NEOL_CLUSTER=whole pytest tests/cluster`.
 
 import importlib.util
 import itertools
+import json
 import os
 import shutil
 import subprocess
@@ -16,7 +17,6 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
-import yaml
 
 from neol.base.errors import UserError
 from neol.rollout import make_engine
@@ -162,7 +162,7 @@ def _long_budget(clone: Path) -> Configuration:
     content = configuration.model_dump(mode="json", include={"budget", "tasks", "evaluation"})
     for named in (content["budget"], *content["tasks"].values()):
         del named["name"]
-    (clone / "config" / "long.yaml").write_text(yaml.safe_dump(content))
+    (clone / "config" / "long.yaml").write_text(json.dumps(content))
     shutil.rmtree(clone / "results" / "long", ignore_errors=True)
     budget = configuration.budget.model_copy(update={"name": "long"})
     return configuration.model_copy(update={"budget": budget})

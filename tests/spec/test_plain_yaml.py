@@ -9,8 +9,9 @@ from neol.spec.plain_yaml import MAX_BYTES, parse_yaml, read_yaml
 
 
 def test_words_and_numbers() -> None:
-    content = parse_yaml("[off, no, 1e-3, -2., 007, 1_0, ~, 'true', 0x1f, +5]", "test")
-    assert content == ["off", "no", 0.001, -2.0, 7.0, "1_0", None, "true", "0x1f", 5]
+    content = parse_yaml("[off, no, 1e-3, -2., 010, 0o10, ~, 'true', 0x1f, +5, 1:30]", "test")
+    assert content == ["off", "no", 0.001, -2.0, 10, 8, None, "true", 31, 5, "1:30"]
+    assert [type(value) for value in content[2:6]] == [float, float, int, int]
 
 
 def test_aliases_stand_for_what_they_name() -> None:
@@ -37,12 +38,13 @@ LAUGHS = "\n".join(
         ("9" * 5000, "test: not a value of its kind"),
         ("!!int one", "test: not a value of its kind"),
         ("!!bool one", "test: not a value of its kind"),
-        ("!!timestamp 2001-01-01", "could not determine a constructor"),
-        ("!!binary YQ==", "could not determine a constructor"),
-        ("!!python/object/apply:os.system [id]", "could not determine a constructor"),
-        ("!!python/name:os.system", "could not determine a constructor"),
-        ("{a: 1, a: 2}", 'key "a" stands here a second time'),
-        ("{[1]: 2}", "found unhashable key"),
+        ("{a: 2001-01-01}", "test, line 1: tag:yaml.org,2002:timestamp is not a plain value"),
+        ("!!binary YQ==", "binary is not a plain value"),
+        ("{<<: {a: 1}}", "merge is not a plain value"),
+        ("!!python/object/apply:os.system [id]", "os.system is not a plain value"),
+        ("!!python/name:os.system", "os.system is not a plain value"),
+        ("{b: 1,\n a: 1,\n a: 2}", 'test, line 3: found duplicate key "a"'),
+        ("{[1]: 2}", "a key is not a plain value"),
         ("a: \0", "test: unacceptable character"),
     ],
 )

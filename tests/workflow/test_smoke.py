@@ -3,6 +3,7 @@
 Everything has its page, and its paper where there is LaTeX.
 """
 
+import copy
 import csv
 import hashlib
 import json
@@ -17,10 +18,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import yaml
 
 from neol.run.record_file import read_record, write_record
 from neol.spec.configuration import ROOT, load_configuration
+from neol.spec.plain_yaml import parse_yaml
 from neol.study.campaign.exhibits import BEYOND, HEATMAPS
 from neol.study.campaign.grid import blocks
 from neol.study.outcomes.chosen_cells import candidates
@@ -122,9 +123,9 @@ def test_a_record_that_lacks_a_seed_is_made_again(clone: Path) -> None:
 def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
     smoke = clone / "config" / "smoke.yaml"
     before = smoke.read_text()
-    constants = yaml.safe_load(before)
+    constants = copy.deepcopy(parse_yaml(before, "smoke"))
     constants.setdefault("tasks", {})["hopper"] = {"max_steps": 77}
-    smoke.write_text(yaml.safe_dump(constants))
+    smoke.write_text(json.dumps(constants))
     try:
         affected = sum(cell.task == "hopper" for cell in RECORDS.values())
         assert planned(clone, TARGET, *SMOKE) == {"run": affected, "tables_notebook": 1}
