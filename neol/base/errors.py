@@ -56,7 +56,7 @@ def one_line(
 
 
 def _keys(root: object, loc: tuple[str, ...]) -> list[str]:
-    """The keys that the types allow at a place."""
+    """The keys that the types allow at a place, without those that no file states."""
     place: Any = root
     for key in loc:
         is_model = isinstance(place, type) and issubclass(place, BaseModel)
@@ -65,7 +65,7 @@ def _keys(root: object, loc: tuple[str, ...]) -> list[str]:
         else:  # tuple[Item, ...] or dict[str, Item]
             first, second = get_args(place)
             place = first if second is Ellipsis else second
-    return [key for key in place.model_fields if key != "name"]
+    return [key for key in place.model_fields if key not in ("name", "reading")]
 
 
 def hint(word: object, allowed: Iterable[str]) -> str:

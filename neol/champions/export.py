@@ -31,7 +31,7 @@ class Continuous(Model):
 
 
 class Node(Model):
-    """Its activity is activation(clip(bias + weights * sources)), summed in this order."""
+    """Its activity is activation(scale * clip(bias + weights * sources)), summed in this order."""
 
     activation: Literal["tanh", "relu", "sigmoid", "identity"]
     bias: float
@@ -57,6 +57,8 @@ class Exported(Model):
     action: Discrete | Continuous
     sum_limit: float
     """A node's sum is clipped to +- this."""
+    activation_scale: float
+    """And then multiplied by this."""
     nodes: tuple[Node, ...]
     """In an order in which they can be computed; the last ones are the outputs."""
 
@@ -88,6 +90,7 @@ def export(player: Player) -> Exported:
         outputs=outputs,
         action=_action(player),
         sum_limit=network.sum_limit,
+        activation_scale=network.activation_scale,
         nodes=tuple(nodes),
     )
 

@@ -15,6 +15,7 @@ from neol.network.forward import Networks
 
 OPSET, IR_VERSION = 17, 8
 """Of 2022, so that not only the newest runtimes read it."""
+_IN_THE_GRAPH = {"action", "nodes", "sum_limit", "activation_scale", "format"}
 _OPERATORS = {"tanh": "Tanh", "relu": "Relu", "sigmoid": "Sigmoid", "identity": "Identity"}
 
 
@@ -42,7 +43,7 @@ def to_onnx(player: Player) -> bytes:
         ir_version=IR_VERSION,
         opset_imports=[helper.make_opsetid("", OPSET)],
     )
-    about = network.model_dump(mode="json", exclude={"action", "nodes", "sum_limit", "format"})
+    about = network.model_dump(mode="json", exclude=_IN_THE_GRAPH)
     helper.set_model_props(model, {key: str(value) for key, value in about.items()})
     onnx.checker.check_model(model, full_check=True)
     return bytes(model.SerializeToString(deterministic=True))
@@ -80,6 +81,7 @@ def _add_layers(computation: _Computation, player: Player) -> None:
     """From `observation` to `outputs`: a matrix product for each layer."""
     limit = player.network.sum_limit
     computation.constants |= {"low_sum": np.array(-limit), "high_sum": np.array(limit)}
+    computation.constants["scale"] = np.array(player.network.activation_scale)
     values = "observation"
     *hidden, last = matrices(player.network)
     for layer, (weights, bias) in enumerate([*hidden, last], 1):
@@ -87,6 +89,7 @@ def _add_layers(computation: _Computation, player: Player) -> None:
         total = computation.add("MatMul", [values, f"weights_{layer}"], f"product_{layer}")
         total = computation.add("Add", [total, f"bias_{layer}"], f"sum_{layer}")
         total = computation.add("Clip", [total, "low_sum", "high_sum"], f"clipped_{layer}")
+        total = computation.add("Mul", [total, "scale"], f"scaled_{layer}")
         if layer > len(hidden):
             computation.add("Tanh", [total], "outputs")
         else:

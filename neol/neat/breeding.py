@@ -14,6 +14,10 @@ from neol.neat.genome import CONNECTION, NODE, Pool
 from neol.neat.innovations import Innovations
 from neol.neat.values import Values, mutate_values
 from neol.neat.variation import (
+    RANDOM_PARENT,
+    REDRAW_IF_DISABLED,
+    STANLEY,
+    Flags,
     Genes,
     add_connection,
     add_node,
@@ -29,10 +33,17 @@ PARENTS = np.dtype([("fitter", np.int64), ("other", np.int64), ("elite", np.bool
 """Of one child, by their places. An elite is no child but its parent's copy."""
 
 
+FLAG_RULES = {
+    "random_parent": RANDOM_PARENT,
+    "stanley": STANLEY,
+    "redraw_if_disabled": REDRAW_IF_DISABLED,
+}
+
+
 class Rates(NamedTuple):
     """The constants of variation."""
 
-    disable: float
+    flags: Flags
     add_connection: float
     add_node: float
     remove_connection: float
@@ -40,6 +51,7 @@ class Rates(NamedTuple):
     mutate_enabled: float
     weight: Values
     bias: Values
+    draws_new_bias: bool
 
     @classmethod
     def of(cls, neat: Neat) -> "Rates":
@@ -55,7 +67,7 @@ class Rates(NamedTuple):
             p = 0.0 if neat.weight_mutation == "off" else neat.weight_mutation
             weight_rates = bias_rates = p, 0.0
         return cls(
-            neat.disable_rate,
+            Flags(FLAG_RULES[neat.crossover_enabled], neat.disable_rate),
             neat.add_connection_rate,
             neat.add_node_rate,
             neat.remove_connection_rate,
@@ -63,6 +75,7 @@ class Rates(NamedTuple):
             neat.enabled_mutate_rate,
             Values(neat.weight_init_sd, neat.weight_limit, *weight_rates, neat.weight_mutate_power),
             Values(neat.bias_init_sd, neat.bias_limit, *bias_rates, neat.bias_mutate_power),
+            neat.new_node_bias == "drawn",
         )
 
 
@@ -165,13 +178,15 @@ def breed(
     """
     nodes, connections = fitter_nodes.copy(), fitter_connections.copy()
     if crossed:
-        crossover(nodes, connections, other_nodes, other_connections, rates.disable, random)
+        crossover(nodes, connections, other_nodes, other_connections, rates.flags, random)
     if next_double(random) < rates.add_connection:
         connections = add_connection(
             nodes, connections, inputs, outputs, rates.weight, innovations, random
         )
     if next_double(random) < rates.add_node:
-        nodes, connections = add_node(nodes, connections, innovations, random)
+        nodes, connections = add_node(
+            nodes, connections, rates.bias, rates.draws_new_bias, innovations, random
+        )
     if next_double(random) < rates.remove_connection:
         connections = remove_connection(connections, random)
     if next_double(random) < rates.remove_node:

@@ -113,6 +113,7 @@ def decode(
         outputs=outputs,
         activation=ACTIVATIONS[network.hidden_activation],
         sum_limit=network.sum_limit,
+        activation_scale=network.activation_scale,
         node_offset=pool.node_offset,
         bias=bias,
         edge_offset=edge_offset,

@@ -20,7 +20,7 @@ class Species:
 
     id: int
     representative: Genome
-    """A copy of the genome that founded the species; it stays for the species' life."""
+    """A copy of the genome that founded the species, or that is nearest to the last one."""
     best_fitness: float = -np.inf
     """Best fitness of a member so far."""
     stagnant: int = 0
@@ -64,10 +64,12 @@ def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.
 def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
     """Assign each genome to the nearest species within the threshold (Algorithm 3, lines 1-8).
 
-    Species keep their representatives from generation to generation; a genome far from all of
-    them founds a new species. Of equally near species the oldest wins. Members are sorted by
-    fitness, then age; empty species die out.
+    Species keep their representatives from generation to generation, or choose the nearest genome
+    as the next one; a genome far from all of them founds a new species. Of equally near species
+    the oldest wins. Members are sorted by fitness, then age; empty species die out.
     """
+    if neat.representative == "nearest":
+        _choose_representatives(population, species_set, neat)
     nearest = np.full(len(population), np.inf)
     home = np.zeros(len(population), dtype=np.int64)
 
@@ -97,6 +99,16 @@ def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> Non
         best = float(population.fitness[species.members[0]])
         species.stagnant = 0 if best > species.best_fitness else species.stagnant + 1
         species.best_fitness = max(best, species.best_fitness)
+
+
+def _choose_representatives(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
+    """Each species, the oldest first, takes the nearest genome that no other one has taken."""
+    taken = np.zeros(len(population), dtype=np.bool_)
+    for species in species_set.species:
+        away = distances(population.pool, species.representative, neat)
+        place = int(np.argmin(np.where(taken, np.inf, away)))
+        taken[place] = True
+        species.representative = population[place].copy()
 
 
 def remove_stagnant(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> None:

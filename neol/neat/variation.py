@@ -4,6 +4,8 @@
 a random stream, uint64[4] (see neol.random.pcg64).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,6 +15,14 @@ from neol.neat.values import Values, draw_values
 from neol.random.pcg64 import State, below, next_double
 
 Genes = npt.NDArray[np.void]
+RANDOM_PARENT, STANLEY, REDRAW_IF_DISABLED = range(3)
+
+
+class Flags(NamedTuple):
+    """How crossover decides whether a gene that both parents have is enabled in the child."""
+
+    rule: int
+    disable_rate: float
 
 
 @kernel
@@ -21,14 +31,13 @@ def crossover(
     connections: Genes,
     other_nodes: Genes,
     other_connections: Genes,
-    disable_rate: float,
+    flags: Flags,
     random: State,
 ) -> None:
     """Cross a copy of the fitter parent with the other (CROSSOVERALIGNED, line 17).
 
-    The child keeps the structure of the fitter parent; weight, bias and state of a gene that both
-    have come from either with equal chance. A gene disabled in a parent is disabled in the child
-    with `disable_rate` (Stanley & Miikkulainen 2002).
+    The child keeps the structure of the fitter parent; weight and bias of a gene that both have
+    come from either with equal chance, and `flags` say whether it is enabled.
     """
     o = 0
     for c in range(len(connections)):
@@ -39,8 +48,9 @@ def crossover(
         if o == len(other_connections):
             break
         if other_connections[o].innovation == connections[c].innovation:
-            if not (connections[c].enabled and other_connections[o].enabled):
-                connections[c].enabled = next_double(random) >= disable_rate
+            connections[c].enabled = inherited_flag(
+                connections[c].enabled, other_connections[o].enabled, flags, random
+            )
             ours, theirs = connections[c].weight, other_connections[o].weight
             connections[c].weight = theirs if next_double(random) < 0.5 else ours
     o = 0
@@ -52,6 +62,23 @@ def crossover(
         if other_nodes[o].id == nodes[n].id:
             ours, theirs = nodes[n].bias, other_nodes[o].bias
             nodes[n].bias = theirs if next_double(random) < 0.5 else ours
+
+
+@kernel
+def inherited_flag(one: bool, other: bool, flags: Flags, random: State) -> bool:
+    """Whether a gene is enabled in the child, from its state in both parents.
+
+    `RANDOM_PARENT` is neat-python's rule before 1.0, `STANLEY` that of Stanley & Miikkulainen
+    (2002); NeatConstants.crossover_enabled says what each does.
+    """
+    if one and other:
+        return True
+    if flags.rule == REDRAW_IF_DISABLED:
+        return next_double(random) >= flags.disable_rate
+    enabled = one if one == other or next_double(random) < 0.5 else other
+    if flags.rule == STANLEY and next_double(random) < flags.disable_rate:
+        return False
+    return enabled
 
 
 @kernel
@@ -83,11 +110,17 @@ def add_connection(
 
 @kernel
 def add_node(
-    nodes: Genes, connections: Genes, innovations: Innovations, random: State
+    nodes: Genes,
+    connections: Genes,
+    bias: Values,
+    draws_bias: bool,
+    innovations: Innovations,
+    random: State,
 ) -> tuple[Genes, Genes]:
     """Split a random enabled connection (line 21): it is disabled, a node takes its place.
 
-    The node has bias 0, the connection into it weight 1, the one out of it the old weight.
+    The node has bias 0 or a fresh one, the connection into it weight 1, the one out of it the old
+    weight.
     """
     enabled = np.flatnonzero(connections["enabled"])
     if len(enabled) == 0:
@@ -99,7 +132,10 @@ def add_node(
     longer = np.empty(len(nodes) + 1, dtype=nodes.dtype)
     longer[:-1] = nodes
     longer[-1].id = node
-    longer[-1].bias = 0.0
+    value = np.zeros(1)
+    if draws_bias:
+        draw_values(value, bias, random)
+    longer[-1].bias = value[0]
     into = connection_number(innovations, source, node)
     out_of = connection_number(innovations, node, target)
     weight = split.weight

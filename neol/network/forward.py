@@ -29,6 +29,8 @@ class Networks(NamedTuple):
     """Of hidden nodes, one of `ACTIVATIONS`; outputs are tanh."""
     sum_limit: float
     """A node's summed input is clipped to +-sum_limit before its activation."""
+    activation_scale: float
+    """And then multiplied by this: an output is tanh(activation_scale * sum)."""
     node_offset: npt.NDArray[np.int64]
     """int64[P + 1]: network p computes the nodes node_offset[p] to node_offset[p + 1]."""
     bias: npt.NDArray[np.float64]
@@ -54,6 +56,7 @@ class Networks(NamedTuple):
             outputs=self.outputs,
             activation=self.activation,
             sum_limit=self.sum_limit,
+            activation_scale=self.activation_scale,
             node_offset=self.node_offset[begin : end + 1] - first,
             bias=self.bias[first:last],
             edge_offset=self.edge_offset[first : last + 1] - self.edge_offset[first],
@@ -70,7 +73,7 @@ class Networks(NamedTuple):
 
 @loop_kernel
 def activate(total: float, activation: int) -> float:
-    """A node's activity from its clipped sum."""
+    """A node's activity from its clipped and scaled sum."""
     if activation == TANH:
         return math.tanh(total)
     if activation == RELU:
@@ -89,13 +92,13 @@ def forward(networks: Networks, index: int, values: npt.NDArray[np.float64]) -> 
     Unsigned indices spare the inner loop numba's question whether an index counts from the end.
     """
     edge_offset, source, weight = networks.edge_offset, networks.source, networks.weight
-    limit = networks.sum_limit
+    limit, scale = networks.sum_limit, networks.activation_scale
     first, last = networks.node_offset[index], networks.node_offset[index + 1]
     for node in range(first, last):
         total = networks.bias[node]
         for edge in range(np.uint64(edge_offset[node]), np.uint64(edge_offset[node + 1])):
             total += weight[edge] * values[np.uint64(source[edge])]
-        total = min(max(total, -limit), limit)
+        total = scale * min(max(total, -limit), limit)
         is_output = node >= last - networks.outputs
         values[networks.inputs + node - first] = activate(
             total, TANH if is_output else networks.activation

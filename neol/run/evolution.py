@@ -96,9 +96,7 @@ class Evolution:
         number = self.generation + 1
         self.population = self._next_population(number)
         networks, gene = self._decode(self.population.pool)
-        seeds = episode_seeds(
-            self.spec.seed, number, len(self.population), self.spec.evaluation.episodes
-        )
+        seeds = self._episode_seeds(number)
         rollouts = engine.evaluate(networks, seeds, self.spec.plasticity)
         worst = min((row.best_fitness for row in self.history), default=0.0)
         self.population.fitness = finite_fitness(rollouts, fallback=worst)
@@ -132,6 +130,13 @@ class Evolution:
             return self.reproduction.initial_population(size, generator(seed, Stream.INITIAL))
         random = generator(seed, Stream.REPRODUCTION, number)
         return self.reproduction.reproduce(self.population, self.species_set, random)
+
+    def _episode_seeds(self, number: int) -> npt.NDArray[np.uint64]:
+        """Environment seeds of a generation: uint64[P, N]."""
+        size, episodes = len(self.population), self.spec.evaluation.episodes
+        if self.spec.evaluation.episode_seed == "fixed":
+            return np.tile(np.arange(episodes, dtype=np.uint64), (size, 1))
+        return episode_seeds(self.spec.seed, number, size, episodes)
 
     def _decode(self, pool: Pool) -> tuple[Networks, npt.NDArray[np.int64]]:
         inputs, outputs = self.reproduction.inputs, self.reproduction.outputs

@@ -1,13 +1,14 @@
 """The configuration of a budget, from which the specifications of its runs are made.
 
-`config/base.yaml` holds every constant with its source, a budget's file overlays it, and
-`key=value` overrides come last. `python -m neol.spec.configuration` writes `config/schema.json`,
-which editors check these files with.
+`config/base.yaml` holds every constant with its source. A reading and a budget's file overlay it,
+and `key=value` overrides come last. `python -m neol.spec.configuration` writes the JSON schemas
+that editors check these files with.
 """
 
 import json
 import warnings
 from collections.abc import Sequence
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -27,21 +28,31 @@ from neol.spec.constants import (
     PlasticityConstants,
     Task,
 )
+from neol.spec.readings import (
+    DEFAULT_READING,
+    Reading,
+    make_label,
+    read_reading,
+    split_label,
+)
 from neol.spec.run_spec import RunSpec
 from neol.spec.sources import Overlay
-from neol.spec.types import MethodName, Model
+from neol.spec.types import MethodName, Model, Text
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 # A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
 ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
+READINGS = CONFIG / "readings"
 PAPER_BUDGET = "paper"
 """Its constants are those of config/base.yaml."""
 
 
 class Configuration(Model):
-    """A budget's resolved configuration."""
+    """A budget's resolved configuration, under one reading."""
 
+    reading: Text
+    """Its label (see neol.spec.readings); never written in a file."""
     tasks: dict[str, Task]
     network: Network
     plasticity: PlasticityConstants
@@ -122,9 +133,11 @@ def load_configuration(
     budget: str = PAPER_BUDGET,
     overrides: Sequence[str] = (),
     options: Sequence[Option] = (),
+    reading: str = DEFAULT_READING,
 ) -> Configuration:
-    """config/base.yaml, overlaid by the budget's file, by overrides ("neat.elitism=3"), by options.
+    """config/base.yaml, overlaid by a reading, a budget's file, overrides and options in turn.
 
+    `reading` is a label ("first+neat.elitism=3"), an override is like "neat.elitism=3".
     Raises UserError, in one line with file, key, value and what is allowed.
     """
     if budget not in budgets():
@@ -132,11 +145,17 @@ def load_configuration(
     overlay = Overlay()
     overlay.add_file(CONFIG / "base.yaml")
     _add_methods(overlay)
+    reading_name, changes = split_label(reading)
+    constants = read_reading(READINGS, reading_name).constants
+    overlay.add((), constants, f"{READINGS.name}/{reading_name}.yaml")
     overlay.add_file(CONFIG / f"{budget}.yaml")
-    for override in overrides:
+    for override in (*changes, *overrides):
         overlay.add_override(override)
     for option, loc, value in options:
         overlay.add_option(option, loc, value)
+    if "reading" in overlay.values:
+        raise UserError(f"{overlay.place(('reading',))}: unknown key; --reading names it")
+    overlay.add(("reading",), reading, "--reading")
     _name(overlay, ("budget",), budget)
     for task in overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ():
         _name(overlay, ("tasks", task), task)
@@ -155,7 +174,16 @@ def load_configuration(
             if isinstance(numbers, dict) and task not in numbers:
                 source = overlay.source(("budget", name))
                 raise UserError(f"{source}: budget.{name}: no number for {task}")
-    return configuration
+    label = _label(configuration, reading_name, changes)
+    return configuration.model_copy(update={"reading": label})
+
+
+def _label(configuration: Configuration, reading: str, changes: Sequence[str]) -> str:
+    """The label of a reading and changes, each with the value that the configuration has."""
+    content = configuration.model_dump(mode="json")
+    keys = [change.partition("=")[0].strip() for change in changes]
+    values = {key: reduce(lambda part, name: part[name], key.split("."), content) for key in keys}
+    return make_label(reading, values)
 
 
 def schema() -> dict[str, Any]:
@@ -165,7 +193,19 @@ def schema() -> dict[str, Any]:
         part.pop("required", None)
     for named in ("Budget", "Task"):
         del whole["$defs"][named]["properties"]["name"]
+    del whole["properties"]["reading"]
     return whole
+
+
+def reading_schema() -> dict[str, Any]:
+    """JSON schema of a reading's file."""
+    of_reading, constants = Reading.model_json_schema(), schema()
+    sections = {name: part for name, part in constants["properties"].items() if name != "budget"}
+    of_reading["properties"]["constants"] |= {
+        "properties": sections,
+        "additionalProperties": False,
+    }
+    return of_reading | {"$defs": constants["$defs"]}
 
 
 def _add_methods(overlay: Overlay) -> None:
@@ -216,5 +256,5 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    text = json.dumps(schema(), indent=2) + "\n"
-    write_atomically(CONFIG / "schema.json", text.encode())
+    for folder, content in ((CONFIG, schema()), (READINGS, reading_schema())):
+        write_atomically(folder / "schema.json", (json.dumps(content, indent=2) + "\n").encode())

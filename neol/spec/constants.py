@@ -19,6 +19,7 @@ from neol.spec.types import (
     PositiveInt,
     Probability,
     RuleName,
+    Seeds,
     Several,
     Text,
     WeightMutation,
@@ -44,6 +45,8 @@ class Network(Model):
     hidden_activation: Literal["tanh", "relu", "sigmoid", "identity"]
     sum_limit: PositiveFloat
     """A node's sum is clipped to +- this before its activation."""
+    activation_scale: PositiveFloat
+    """And then multiplied by this: an output is tanh(activation_scale * sum)."""
 
 
 class PlasticityConstants(Model):
@@ -78,6 +81,8 @@ class Evaluation(Model):
 
     episodes: Annotated[int, Field(ge=1, le=1_000)]
     """N: fitness is the mean return over N episodes."""
+    episode_seed: Literal["own", "fixed"]
+    """own: each episode has its own environment seed; fixed: all runs play the seeds 0 to N - 1."""
     held_out_episodes: Annotated[int, Field(ge=1, le=100_000)]
     """Fresh episodes that the champion is evaluated on."""
     step_limit: PositiveInt | None
@@ -100,12 +105,21 @@ class NeatConstants(Model):
     bias_replace_rate: Probability
     bias_limit: PositiveFloat
     enabled_mutate_rate: Probability
+    crossover_enabled: Literal["random_parent", "stanley", "redraw_if_disabled"]
+    """Whether a matching gene is enabled in the child.
+
+    random_parent: as in either parent, with equal chance (neat-python 0.92). stanley: as in the
+    parent that the weight comes from, but disabled with `disable_rate` where either parent's is.
+    redraw_if_disabled: disabled with `disable_rate` where either parent's is, otherwise enabled.
+    """
     disable_rate: Probability
-    """A gene disabled in either parent is disabled in the child."""
+    """Of a gene disabled in either parent; random_parent does not use it."""
     add_connection_rate: Probability
     """m_l."""
     add_node_rate: Probability
     """m_n."""
+    new_node_bias: Literal["zero", "drawn"]
+    """Bias of a node that splits a connection; drawn: like those of generation 0."""
     remove_connection_rate: Probability
     remove_node_rate: Probability
     crossover_rate: Probability
@@ -121,6 +135,8 @@ class NeatConstants(Model):
     """c_3."""
     compatibility_threshold: PositiveFloat
     """delta_t."""
+    representative: Literal["founder", "nearest"]
+    """Of a species: its founder for life, or each generation the genome nearest to the last one."""
     distance_normaliser: Literal["matching", "larger_genome"]
     """N of the distance."""
     sharing: Literal["stanley", "literal"]
@@ -157,8 +173,8 @@ class Budget(Model):
     """The name of its file; never written in it."""
     generations: ForEachTask
     """G: of any task, or for each."""
-    seeds: Annotated[int, Field(ge=1, le=10_000)]
-    """How many: a cell runs with seeds 0 to seeds - 1."""
+    seeds: Seeds
+    """Those of each cell; a plain number says how many, from 0 on."""
     populations: Several[PopulationSize]
     learning_rates: Several[NonNegativeFloat]
     """Grid of eta for the methods with a rule."""
@@ -166,6 +182,19 @@ class Budget(Model):
     methods: Several[MethodName]
     seeds_per_job: ForEachTask
     """Runs of a cell that one job of the workflow makes: of any task, or for each."""
+
+    @property
+    def seed_range(self) -> range:
+        """The seeds of each cell."""
+        chosen = self.seeds
+        if isinstance(chosen, int):
+            return range(chosen)
+        return range(chosen.first, chosen.first + chosen.count)
+
+    @property
+    def seed_count(self) -> int:
+        """How many seeds each cell has."""
+        return len(self.seed_range)
 
     def generations_of(self, task: str) -> int:
         """G of a task's runs."""

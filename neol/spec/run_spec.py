@@ -16,6 +16,21 @@ from neol.spec.constants import (
 )
 from neol.spec.types import Model, PopulationSize, PositiveInt, Seed, Text
 
+ADDED_LATER: dict[str, dict[str, Any]] = {
+    "network": {"activation_scale": 1.0},
+    "evaluation": {"episode_seed": "own"},
+    "neat": {
+        "crossover_enabled": "redraw_if_disabled",
+        "new_node_bias": "zero",
+        "representative": "founder",
+    },
+}
+"""Constants that became switches after the first records, each with the value that these had.
+
+A specification leaves a constant out where it has this value, so that those records keep their
+digests; one that leaves it out has this value.
+"""
+
 
 class RunSpec(Model):
     """Everything that a run's trajectory is a function of."""
@@ -32,6 +47,11 @@ class RunSpec(Model):
     evaluation: Evaluation
     neat: Neat
 
+    @model_validator(mode="before")
+    @classmethod
+    def _complete(cls, content: Any) -> Any:
+        return complete(content) if isinstance(content, dict) else content
+
     @model_validator(mode="after")
     def _agrees(self) -> "RunSpec":
         if not self.plasticity.learns and self.plasticity.learning_rate > 0:
@@ -42,11 +62,17 @@ class RunSpec(Model):
                 "neat.min_species_size = {size}: must not exceed the population, {population}",
                 {"size": self.neat.min_species_size, "population": self.population},
             )
+        if self.neat.crossover_enabled == "stanley" and self.neat.enabled_mutate_rate > 0:
+            raise PydanticCustomError(
+                "stanley",
+                "neat.crossover_enabled = stanley: needs neat.enabled_mutate_rate = 0, because "
+                "with both nearly all genes end up disabled",
+            )
         return self
 
     def without_seed(self) -> dict[str, Any]:
         """What the runs of a record share, as JSON has it."""
-        return self.model_dump(mode="json", exclude={"seed"})
+        return self._json("seed")
 
     def digest(self) -> str:
         """SHA-256 in hex of the specification without its seed."""
@@ -54,7 +80,24 @@ class RunSpec(Model):
 
     def trajectory_key(self) -> str:
         """SHA-256 in hex without `generations`: runs that share it are prefixes of each other."""
-        return _sha256(self.model_dump(mode="json", exclude={"generations"}))
+        return _sha256(self._json("generations"))
+
+    def _json(self, left_out: str) -> dict[str, Any]:
+        content = self.model_dump(mode="json", exclude={left_out})
+        for section, old in ADDED_LATER.items():
+            for key, value in old.items():
+                if content[section][key] == value:
+                    del content[section][key]
+        return content
+
+
+def complete(content: dict[str, Any]) -> dict[str, Any]:
+    """A specification as JSON, with what it leaves out (`ADDED_LATER`)."""
+    return content | {
+        section: old | content[section]
+        for section, old in ADDED_LATER.items()
+        if isinstance(content.get(section), dict)
+    }
 
 
 def canonical_json(content: Any) -> bytes:

@@ -103,6 +103,20 @@ WeightMutation = Annotated[
     Literal["off", "config"] | Probability,
     _union("must be 'off', 'config' or a probability from 0 to 1"),
 ]
+SeedCount = Annotated[int, Field(ge=1, le=10_000)]
+
+
+class SeedRange(Model):
+    """Consecutive seeds."""
+
+    first: Annotated[int, Field(ge=0, le=2**62)]
+    count: SeedCount
+
+
+Seeds = Annotated[
+    SeedCount | SeedRange,
+    _union("must be a number of seeds from 1 to 10000, or like {first: 1000, count: 10}"),
+]
 ForEachTask = Annotated[
     PositiveInt | dict[Text, PositiveInt],
     _union("must be an integer from 1 to 2^53, or such an integer for each task"),

@@ -59,6 +59,7 @@ def test_the_json_says_all_that_is_needed(
             for source, weight in zip(node["sources"], node["weights"], strict=True):
                 total += values[source] * weight
             total = max(-content["sum_limit"], min(content["sum_limit"], total))
+            total *= content["activation_scale"]
             values.append(functions[node["activation"]](total))
         found = values[-len(content["outputs"]) :]
         assert found == outputs.tolist()

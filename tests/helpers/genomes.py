@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from neol.neat.breeding import breed
+from neol.neat.breeding import Rates, breed
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction, fittest_first
@@ -54,7 +54,7 @@ def cross(one: Genome, other: Genome, neat: Neat, seed: int = 0) -> Genome:
         child.connections,
         weaker.nodes,
         weaker.connections,
-        neat.disable_rate,
+        Rates.of(neat).flags,
         stream(seed),
     )
     return child

@@ -14,6 +14,7 @@ def random_networks(
     hidden: int = 6,
     activation: str = "tanh",
     sum_limit: float = 50.0,
+    activation_scale: float = 1.0,
     weight_sd: float = 1.0,
 ) -> Networks:
     """Feed-forward networks with up to `hidden` hidden nodes and about half of all connections.
@@ -35,6 +36,7 @@ def random_networks(
         outputs=outputs,
         activation=ACTIVATIONS[activation],
         sum_limit=sum_limit,
+        activation_scale=activation_scale,
         node_offset=np.array(node_offset),
         bias=random.normal(size=node_offset[-1]),
         edge_offset=np.array(edge_offset),
@@ -57,6 +59,7 @@ def one_node(weight: np.ndarray) -> Networks:
         outputs=1,
         activation=ACTIVATIONS["tanh"],
         sum_limit=50.0,
+        activation_scale=1.0,
         node_offset=np.array([0, 1]),
         bias=np.zeros(1),
         edge_offset=np.array([0, len(weight)]),

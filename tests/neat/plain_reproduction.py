@@ -122,16 +122,27 @@ class PlainReproduction:
         return child
 
     def cross(self, child: PlainGenome, other: PlainGenome) -> None:
-        """Matching genes come from either parent; one disabled in either is so at a rate."""
+        """Matching genes come from either parent; of one disabled in either a rule decides."""
         for number in sorted(child.connections.keys() & other.connections.keys()):
             ours, theirs = child.connections[number], other.connections[number]
-            if not ours.enabled or not theirs.enabled:
-                ours.enabled = not self.variation.random() < self.neat.disable_rate
+            ours.enabled = self.flag(ours.enabled, theirs.enabled)
             if self.variation.random() < 0.5:
                 ours.weight = theirs.weight
         for node in sorted(child.biases.keys() & other.biases.keys()):
             if self.variation.random() < 0.5:
                 child.biases[node] = other.biases[node]
+
+    def flag(self, ours: bool, theirs: bool) -> bool:
+        rule, flag = self.neat.crossover_enabled, ours
+        if ours and theirs:
+            return True
+        if rule == "redraw_if_disabled":
+            return not self.variation.random() < self.neat.disable_rate
+        if ours != theirs and not self.variation.random() < 0.5:
+            flag = theirs
+        if rule == "stanley" and self.variation.random() < self.neat.disable_rate:
+            flag = False
+        return flag
 
     def add_connection(self, child: PlainGenome) -> None:
         source = self.one_of([*range(self.inputs), *self.hidden(child)])
@@ -147,7 +158,8 @@ class PlainReproduction:
             node = self.split.setdefault(number, self.next_node + len(self.split))
             gene = child.connections[number]
             gene.enabled = False
-            child.biases[node] = 0.0
+            drawn = self.neat.new_node_bias == "drawn"
+            (child.biases[node],) = self.fresh("bias", 1) if drawn else (0.0,)
             self.connect(child, gene.source, node, 1.0)
             self.connect(child, node, gene.target, gene.weight)
 

@@ -1,5 +1,7 @@
 """Distance, speciation, stagnation and sharing: by hand, and against a plain twin."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -66,7 +68,11 @@ def plain_distance(one: Genome, other: Genome, neat: Neat) -> float:
 
 def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> list[int]:
     """The species of each genome, one after the other; new founders join the list."""
-    homes = []
+    homes, left = [], list(genomes)
+    if neat.representative == "nearest":
+        for place, last in enumerate(founders):
+            away = [plain_distance(genome, last, neat) for genome in left]
+            founders[place] = left.pop(away.index(min(away)))
     for genome in genomes:
         offered = [plain_distance(genome, founder, neat) for founder in founders]
         if not offered or min(offered) > neat.compatibility_threshold:
@@ -77,16 +83,27 @@ def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> 
 
 
 @given(
-    populations, st.sampled_from([0.5, 1.5, 3.0]), st.sampled_from(["matching", "larger_genome"])
+    populations,
+    st.sampled_from([0.5, 1.5, 3.0]),
+    st.sampled_from(["matching", "larger_genome"]),
+    st.sampled_from(["founder", "nearest"]),
 )
 @settings(max_examples=30, deadline=None)
 def test_speciation_is_that_of_a_plain_twin(
-    grown: tuple[list[Genome], Reproduction], threshold: float, normaliser: str
+    grown: tuple[list[Genome], Reproduction],
+    threshold: float,
+    normaliser: str,
+    representative: str,
 ) -> None:
     genomes, _ = grown
-    neat = neat_constants(compatibility_threshold=threshold, distance_normaliser=normaliser)
+    neat = neat_constants(
+        compatibility_threshold=threshold,
+        distance_normaliser=normaliser,
+        representative=representative,
+    )
     species_set, founders = SpeciesSet(), list[Genome]()
-    for generation in (genomes[: len(genomes) // 2], genomes):
+    for generation in (genomes[: len(genomes) // 2], genomes[::-1]):
+        generation = [replace(genome, id=id) for id, genome in enumerate(generation)]
         population = Population.of(generation)
         population.fitness = np.zeros(len(generation))
         speciate(population, species_set, neat)
@@ -124,6 +141,21 @@ def test_speciation_keeps_representatives_and_takes_the_nearest() -> None:
     assert members_of(species_set) == [(2, [0])]
     speciate(weighted([99.0]), species_set, NEAT)
     assert members_of(species_set) == [(3, [0])], "ids of dead species do not come back"
+
+
+def test_the_nearest_genome_can_become_the_next_representative() -> None:
+    neat = neat_constants(
+        disjoint_coefficient=1.0, weight_coefficient=0.5, representative="nearest"
+    )
+    species_set = SpeciesSet()
+    speciate(weighted([0.0, 20.0]), species_set, neat)
+    # 9.0 and 14.0 are the nearest to 0.0 and to 20.0
+    speciate(weighted([12.0, 9.0, 14.0]), species_set, neat)
+    assert [s.representative.connections["weight"][0] for s in species_set.species] == [9.0, 14.0]
+    assert members_of(species_set) == [(0, [1]), (1, [0, 2])]
+    # both are nearest to 8.0, which the older one takes
+    speciate(weighted([8.0, 1.0]), species_set, neat)
+    assert [s.representative.connections["weight"][0] for s in species_set.species] == [8.0, 1.0]
 
 
 def test_of_equally_near_species_the_oldest_wins() -> None:

@@ -12,6 +12,7 @@ from neol.neat.innovations import Innovations, connection_number, split_node
 from neol.neat.reproduction import Reproduction
 from neol.neat.values import draw_values, mutate_values
 from neol.neat.variation import (
+    Genes,
     add_connection,
     add_node,
     mutate_enabled,
@@ -108,12 +109,32 @@ def test_of_equally_fit_parents_the_smaller_gives_the_structure() -> None:
     assert in_order([large, small, older, fitter]) == [fitter, older, small, large]
 
 
-def test_a_gene_disabled_in_a_parent_is_disabled_in_most_children() -> None:
-    on = genome_of([(0, 0, 3, 1.0, True)], id=1, fitness=1.0)
-    off = genome_of([(0, 0, 3, 1.0, False)], id=2)
-    children = [cross(on, off, NEAT, seed) for seed in range(2000)]
-    disabled = np.mean([not child.connections["enabled"][0] for child in children])
-    assert disabled == pytest.approx(0.75, abs=0.04)
+@pytest.mark.parametrize(
+    ("rule", "of_one", "of_both"),
+    [
+        ("random_parent", 0.5, 1.0),
+        ("stanley", 0.75 + 0.25 * 0.5, 1.0),
+        ("redraw_if_disabled", 0.75, 0.75),
+    ],
+)
+@pytest.mark.parametrize("fitter_is_disabled", [False, True])
+def test_how_often_a_gene_is_disabled_in_the_child(
+    rule: str, of_one: float, of_both: float, fitter_is_disabled: bool
+) -> None:
+    """Where one parent's is, where both parents' are, and never where neither's is."""
+    neat = neat_constants(crossover_enabled=rule, disable_rate=0.75, enabled_mutate_rate=0.0)
+
+    def disabled(*enabled: bool) -> float:
+        one, other = (
+            genome_of([(0, 0, 3, 1.0, flag)], id=id, fitness=-float(id))
+            for id, flag in enumerate(enabled)
+        )
+        children = [cross(one, other, neat, seed) for seed in range(2000)]
+        return float(np.mean([not child.connections["enabled"][0] for child in children]))
+
+    assert disabled(not fitter_is_disabled, fitter_is_disabled) == pytest.approx(of_one, abs=0.04)
+    assert disabled(False, False) == pytest.approx(of_both, abs=0.04)
+    assert disabled(True, True) == 0.0
 
 
 def test_the_same_mutation_in_one_generation_gets_the_same_numbers() -> None:
@@ -141,11 +162,18 @@ def test_more_mutations_than_there_is_room_for_are_refused() -> None:
         connection_number(innovations, 3, 3)
 
 
+def split(genome: Genome, seed: int = 0, *, draws_bias: bool = False) -> tuple[Genes, Genes]:
+    """Nodes and connections of a genome with a node more."""
+    innovations = Innovations.begin(6, 5, 1)
+    bias = Rates.of(NEAT).bias
+    return add_node(
+        genome.nodes, genome.connections.copy(), bias, draws_bias, innovations, stream(seed)
+    )
+
+
 def test_add_node_splits_a_connection() -> None:
     genome = genome_of([(0, 0, 3, 0.7, True)])
-    nodes, connections = add_node(
-        genome.nodes, genome.connections, Innovations.begin(6, 5, 1), stream()
-    )
+    nodes, connections = split(genome)
     assert connections.tolist() == [
         (0, 0, 3, 0.7, False),
         (6, 0, 5, 1.0, True),
@@ -156,8 +184,15 @@ def test_add_node_splits_a_connection() -> None:
 
 def test_add_node_needs_an_enabled_connection() -> None:
     genome = genome_of([(0, 0, 3, 0.7, False)])
-    nodes, _ = add_node(genome.nodes, genome.connections, Innovations.begin(6, 5, 1), stream())
+    nodes, _ = split(genome)
     assert len(nodes) == OUTPUTS
+
+
+def test_the_bias_of_a_new_node_may_be_drawn() -> None:
+    genome = genome_of([(0, 0, 3, 0.7, True)])
+    drawn = [split(genome, seed, draws_bias=True)[0]["bias"].tolist() for seed in range(500)]
+    assert all(biases[:2] == [0.0, 0.0] for biases in drawn)
+    assert np.std([biases[2] for biases in drawn]) == pytest.approx(NEAT.bias_init_sd, rel=0.1)
 
 
 def test_removal() -> None:

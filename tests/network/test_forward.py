@@ -24,14 +24,18 @@ def plain_outputs(networks: Networks, index: int, observation: np.ndarray) -> li
         for edge in range(networks.edge_offset[node], networks.edge_offset[node + 1]):
             total += networks.weight[edge].item() * values[networks.source[edge]]
         total = min(max(total, -networks.sum_limit), networks.sum_limit)
+        total *= networks.activation_scale
         values.append(math.tanh(total) if node >= last - networks.outputs else hidden(total))
     return values[-networks.outputs :]
 
 
+@pytest.mark.parametrize("scale", [1.0, 2.5])
 @pytest.mark.parametrize("activation", ACTIVATIONS)
-def test_forward_equals_its_plain_twin(activation: str) -> None:
+def test_forward_equals_its_plain_twin(activation: str, scale: float) -> None:
     random = np.random.default_rng(1)
-    networks = random_networks(random, 40, inputs=5, outputs=3, activation=activation)
+    networks = random_networks(
+        random, 40, inputs=5, outputs=3, activation=activation, activation_scale=scale
+    )
     for index in range(networks.population):
         observation = random.normal(scale=3.0, size=5)
         expected = plain_outputs(networks, index, observation)

@@ -206,6 +206,7 @@ def heuristic(name: str) -> Networks:
         outputs=outputs,
         activation=ACTIVATIONS["tanh"],
         sum_limit=50.0,
+        activation_scale=1.0,
         node_offset=np.array([0, outputs]),
         bias=np.array(bias),
         edge_offset=inputs * np.arange(outputs + 1),

@@ -22,11 +22,13 @@ from neol.rollout.worlds.box2d import library as box2d
 from neol.run.evolution import Evolution
 from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT, load_configuration
+from neol.spec.readings import DEFAULT_READING, FIRST_READING
 from tests.helpers.core import require_core
 from tests.workflow.clone import fresh_clone
 
 KNOWN = Path(__file__).with_name("digests.json")
 BOX2D_TASKS = ("lunar_lander", "bipedal_walker", "bipedal_walker_hardcore")
+READINGS = (FIRST_READING, DEFAULT_READING)
 METHODS = ("neat", "neat_wo", "hebb", "oja", "bcm")
 RUNS = [
     *(("cartpole", method) for method in METHODS),
@@ -39,9 +41,12 @@ BUSY = ["neat.add_node_rate=0.5", "neat.compatibility_threshold=1.0"]
 
 
 @cache
-def digest_of(task: str, method: str, choice: EngineChoice) -> tuple[str, str]:
+def digest_of(
+    task: str, method: str, choice: EngineChoice, reading: str = DEFAULT_READING
+) -> tuple[str, str]:
     """A trajectory's digest, and which engine played: ten genomes over ten generations."""
-    configuration = load_configuration("paper", [f"tasks.{task}.max_steps=100", *BUSY])
+    overrides = [f"tasks.{task}.max_steps=100", *BUSY]
+    configuration = load_configuration("paper", overrides, reading=reading)
     spec = configuration.run_spec(
         task=task,
         method=method,
@@ -66,10 +71,11 @@ def test_either_engine_gives_the_same_trajectory(task: str, method: str) -> None
 
 
 @pytest.mark.skipif(not SAME_LAST_BITS, reason="the digests were made on x86-64 Linux with glibc")
+@pytest.mark.parametrize("reading", READINGS)
 @pytest.mark.parametrize(("task", "method"), RUNS)
-def test_known_digests(task: str, method: str) -> None:
-    known = json.loads(KNOWN.read_text())
-    assert digest_of(task, method, "reference")[0] == known[f"{task} {method}"]
+def test_known_digests(task: str, method: str, reading: str) -> None:
+    known = json.loads(KNOWN.read_text())[reading]
+    assert digest_of(task, method, "reference", reading)[0] == known[f"{task} {method}"]
 
 
 @pytest.mark.parametrize("task", BOX2D_TASKS)
@@ -117,5 +123,11 @@ def test_without_a_compiler_a_run_comes_to_the_same_digest(tmp_path: Path) -> No
 
 
 if __name__ == "__main__":
-    digests = {f"{task} {method}": digest_of(task, method, "reference")[0] for task, method in RUNS}
+    digests = {
+        reading: {
+            f"{task} {method}": digest_of(task, method, "reference", reading)[0]
+            for task, method in RUNS
+        }
+        for reading in READINGS
+    }
     KNOWN.write_text(json.dumps(digests, indent=2) + "\n")

@@ -34,6 +34,23 @@ def test_methods_meet_the_same_episodes_and_first_population() -> None:
     assert neat.history[1:] != neat_wo.history[1:]
 
 
+def test_one_fixed_episode_is_the_same_for_all_evaluations_of_all_runs() -> None:
+    asked = list[npt.NDArray[np.uint64]]()
+
+    class Listening(ReferenceEngine):
+        def evaluate(
+            self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
+        ) -> Rollouts:
+            asked.append(seeds)
+            return super().evaluate(networks, seeds, plasticity)
+
+    for seed in (0, 1):
+        overrides = "evaluation.episode_seed=fixed", "evaluation.episodes=2"
+        spec = run_spec("neat", seed, *overrides, generations=2)
+        list(Evolution.begin(spec, 4, 2).run(Listening(spec.task)))
+    assert [seeds.tolist() for seeds in asked] == [[[0, 1]] * 8] * 4
+
+
 def test_statistics_add_up() -> None:
     evolution = evolve(run_spec("hebb", 0, "evaluation.episodes=2"))
     last = evolution.history[-1]

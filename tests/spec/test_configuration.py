@@ -30,11 +30,18 @@ def test_overrides_come_last():
     assert configuration.evaluation.step_limit is None
 
 
+def test_the_seeds_of_a_budget_begin_at_0_or_where_they_are_said_to() -> None:
+    plain = load_configuration("smoke", ["budget.seeds=3"]).budget
+    assert plain.seed_range == range(3)
+    chosen = load_configuration("smoke", ["budget.seeds={first: 1000000, count: 5}"]).budget
+    assert chosen.seed_range == range(1_000_000, 1_000_005)
+
+
 @pytest.mark.parametrize("budget", ["smok", "base", "", "../config/smoke", "schema"])
 def test_an_unknown_budget(budget):
     text = refusal(load_configuration, budget)
     assert text.startswith(f'unknown budget "{budget}"')
-    assert text.endswith("(allowed: demo, desk, paper, smoke)")
+    assert text.endswith("(allowed: confirmation, demo, desk, paper, search, smoke)")
 
 
 @pytest.mark.parametrize(
@@ -49,7 +56,8 @@ def test_an_unknown_budget(budget):
         ("neat.elitism=1.5", "neat.elitism = 1.5: must be a valid integer"),
         ("neat.elitism=true", "neat.elitism = True: must be a valid integer"),
         ("neat.elitism=-1", "neat.elitism = -1: must be greater than or equal to 0"),
-        ("budget.seeds=10001", "budget.seeds = 10001: must be less than or equal to 10000"),
+        ("budget.seeds=10001", "budget.seeds = 10001: must be a number of seeds from 1 to 10000, "),
+        ("budget.seeds={first: 5}", "budget.seeds = {'first': 5}: must be a number of seeds from "),
         ("evaluation.episodes=1001", "evaluation.episodes = 1001: must be less than or equal to"),
         ("neat.elitism=9007199254740993", "neat.elitism = 9007199254740993: must be less than or"),
         (

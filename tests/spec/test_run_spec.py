@@ -7,7 +7,10 @@ from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
 from tests.helpers.refusal import refusal
 
-DIGEST = "943a5e4287029506895bbfb1974237c5999668edee9c117ce44952ac6765f6e0"
+DIGESTS = {
+    "first": "943a5e4287029506895bbfb1974237c5999668edee9c117ce44952ac6765f6e0",
+    "default": "c30a6d79ab2f4ec00933059575169a66978895874cd3b2b12aa281a10b46b490",
+}
 RUN = {
     "task": "hopper",
     "method": "hebb",
@@ -82,8 +85,18 @@ def test_the_digest_forgets_the_seed_and_the_trajectory_key_the_generations(pape
     assert changed.trajectory_key() != run.trajectory_key()
 
 
-def test_the_digest_is_known(paper):
-    assert paper.run_spec(**RUN).digest() == DIGEST
+@pytest.mark.parametrize("reading", DIGESTS)
+def test_the_digest_is_known(reading):
+    configuration = load_configuration("paper", reading=reading)
+    assert configuration.run_spec(**RUN).digest() == DIGESTS[reading]
+
+
+def test_stanleys_rule_needs_flags_that_are_not_redrawn():
+    stanley = "neat.crossover_enabled=stanley"
+    configuration = load_configuration("paper", [stanley])
+    text = refusal(lambda: configuration.run_spec(**RUN))
+    assert text.startswith(f"{stanley.replace('=', ' = ')}: needs neat.enabled_mutate_rate = 0, ")
+    load_configuration("paper", [stanley, "neat.enabled_mutate_rate=0"]).run_spec(**RUN)
 
 
 def test_any_gymnasium_environment_is_a_task():

@@ -48,7 +48,7 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
         methods=methods,
         populations=budget.populations,
         learning_rates=budget.learning_rates,
-        seeds=budget.seeds,
+        seeds=budget.seed_count,
         note=describe_budget(configuration, [task]) + (f" {_GROWS}" if metric == "score" else ""),
     )
     return Drawing(f"figure{number}", figure, configuration, campaign.sources(shown))
@@ -72,7 +72,7 @@ def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") 
         pd.concat(curves)[columns] if curves else pd.DataFrame(columns=columns),
         tasks=configuration.budget.tasks,
         methods=methods,
-        seeds=configuration.budget.seeds,
+        seeds=configuration.budget.seed_count,
         note=f"Configurations of Table {SETTINGS[setting].paper_table}. "
         f"{describe_budget(configuration)} {remark}".strip(),
         incomplete=incomplete,

@@ -61,7 +61,7 @@ class Outcomes:
 
     def missing(self, cell: Cell) -> int:
         """How many of its seeds a cell lacks."""
-        return self.budget.seeds - len(self._by_cell.get(cell, ()))
+        return self.budget.seed_count - len(self._by_cell.get(cell, ()))
 
     def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:
         """All cells of a task and some methods."""
