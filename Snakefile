@@ -75,7 +75,7 @@ rule run:
     benchmark:
         "logs/{record}.tsv"
     wildcard_constraints:
-        record=rf"(?!(?:{KEPT})\.parquet$){BUDGET}/.+",
+        record=rf"(?!(?:{KEPT})\.parquet$){re.escape(READING)}/{BUDGET}/.+",
     conda:
         "environment.yml"
     threads: 1
@@ -111,12 +111,12 @@ for notebook, (made, records, modules) in NOTEBOOKS.items():
             records=records,
         output:
             [captioned(path) for path in made],
-            notebook=f"build/{LABEL}/{notebook}.ipynb",
-            page=f"build/{LABEL}/{notebook}.html",
+            notebook=f"build/{PLACE}/{notebook}.ipynb",
+            page=f"build/{PLACE}/{notebook}.html",
         log:
-            f"logs/{LABEL}/{notebook}.log",
+            f"logs/{PLACE}/{notebook}.log",
         benchmark:
-            f"logs/{LABEL}/{notebook}.tsv"
+            f"logs/{PLACE}/{notebook}.tsv"
         conda:
             "environment.yml"
         threads: 1
@@ -124,10 +124,11 @@ for notebook, (made, records, modules) in NOTEBOOKS.items():
             mem_mb=1000,
         params:
             budget=BUDGET,
+            reading=READING,
             tasks=TASKS,
             output=f"../{FIGURES}",
         shell:
-            "(python -m papermill --no-progress-bar --log-output --cwd notebooks -p budget {params.budget} -p tasks '{params.tasks}' "
+            "(python -m papermill --no-progress-bar --log-output --cwd notebooks -p budget {params.budget} -p reading {params.reading} -p tasks '{params.tasks}' "
             "-p results ../results -p output {params.output} {input.notebook} {output.notebook} && "
             "python -m nbconvert --to html {output.notebook}) > {log} 2>&1; "
             "(grep '^neol: ' {log} || true) >&2"

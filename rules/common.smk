@@ -12,8 +12,16 @@ from neol.study.campaign.cost import walltime_minutes
 from neol.base.errors import UserError
 from neol.study.campaign.jobs import jobs
 from neol.run.workspace import remove_if_complete
-from neol.study.campaign.shown import DEFAULT_BUDGET, figures_folder, label, select
+from neol.study.campaign.shown import (
+    DEFAULT_BUDGET,
+    SHOWN_READING,
+    figures_folder,
+    full_label,
+    label,
+    select,
+)
 from neol.spec.configuration import budgets
+from neol.spec.readings import with_changes
 from neol.study.campaign.snakemake import clear_stale_locks, pattern
 
 TABLE, FIGURE = ("tex", "csv", "json"), ("pdf", "png", "json")
@@ -34,20 +42,32 @@ shell.prefix(
     f"set -euo pipefail; export PATH='{Path(sys.executable).parent}':\"$PATH\"; "
 )
 
-if unknown := sorted(set(config) - {"budget", "tasks"}):
-    sys.exit(f"neol: --config {unknown[0]}: unknown key (allowed: budget, tasks)")
-BUDGET, TASKS = str(config.get("budget", DEFAULT_BUDGET)), str(config.get("tasks") or "")
+ALLOWED = "budget", "reading", "set", "tasks"
+if unknown := sorted(set(config) - set(ALLOWED)):
+    sys.exit(
+        f"neol: --config {unknown[0]}: unknown key (allowed: {', '.join(ALLOWED)})"
+    )
+BUDGET, TASKS = str(config.get("budget", DEFAULT_BUDGET)), str(
+    config.get("tasks") or ""
+)
 try:
-    CONFIGURATION = select(BUDGET, TASKS)
+    CONFIGURATION = select(
+        BUDGET,
+        TASKS,
+        with_changes(str(config.get("reading", SHOWN_READING)), config.get("set")),
+    )
 except UserError as error:
     sys.exit(f"neol: {error}")
-LABEL, FIGURES = label(CONFIGURATION.budget), str(figures_folder(CONFIGURATION.budget))
+READING = CONFIGURATION.reading
+LABEL, FIGURES = label(CONFIGURATION), str(figures_folder(CONFIGURATION))
+# Where executed notebooks and what the workflow says lie.
+PLACE = full_label(CONFIGURATION)
 if FIGURES == "figures":
     RESULTS_PAGE = "docs/results.md"
     ELSEWHERE = r"docs/results-.+\.md|figures/.+/.+"
 else:
-    RESULTS_PAGE = f"docs/results-{LABEL}.md"
-    ELSEWHERE = rf"docs/results(?!-{re.escape(LABEL)}\.).*\.md|paper/reproduction\.pdf|figures/(?!{re.escape(LABEL)}/).+"
+    RESULTS_PAGE = f"docs/results-{LABEL.replace('/', '-')}.md"
+    ELSEWHERE = rf"docs/results(?!-{re.escape(LABEL.replace('/', '-'))}\.).*\.md|paper/reproduction\.pdf|figures/(?!{re.escape(LABEL)}/).+"
 ALIVE = clear_stale_locks()
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
@@ -124,15 +144,15 @@ def code(*, draws):
 
 
 def ask_otherwise(wildcards):
-    """Refuse what another budget shows, and say what to ask for."""
+    """Refuse what another budget or reading shows, and say what to ask for."""
     path = Path(wildcards.elsewhere)
     page = path.parent == Path("docs")
     place = path.with_suffix("") if page else path.parent
-    budget = f"({'|'.join(budgets())})(?:-(.+))?"
-    other = re.fullmatch(f"(?:figures/|docs/results-)({budget})", str(place))
+    reading, budget = "(?:([^/]+)/)?", f"({'|'.join(budgets())})(?:-(.+))?"
+    other = re.fullmatch(f"(?:figures/|docs/results-)({reading}{budget})", str(place))
     if other and other[1] not in (LABEL, DEFAULT_BUDGET):
-        _, budget, tasks = other.groups()
-        options = f"budget={budget}" + (f" tasks={tasks}" if tasks else "")
+        chosen = zip(("reading", "budget", "tasks"), other.groups()[1:], strict=True)
+        options = " ".join(f"{name}={value}" for name, value in chosen if value)
         sys.exit(f"neol: {path} needs --config {options}")
     wanted = RESULTS_PAGE if page else f"{FIGURES}/{path.name}"
     sys.exit(f"neol: {path} does not show {LABEL}: ask for {wanted}")

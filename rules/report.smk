@@ -6,7 +6,7 @@ repository has too, with another page for CartPole at the paper's budget.
 
 REPORT = f"{FIGURES}/report.html"
 PAPER = f"{'paper' if FIGURES == 'figures' else FIGURES}/reproduction.pdf"
-CHAMPIONS = f"build/{LABEL}/champions.json"
+CHAMPIONS = f"build/{PLACE}/champions.json"
 PICTURES = [
     path
     for path in made_by("convergence", "heatmaps", "beyond")
@@ -33,9 +33,9 @@ rule showcase:
     output:
         CHAMPIONS,
     log:
-        f"logs/{LABEL}/showcase.log",
+        f"logs/{PLACE}/showcase.log",
     benchmark:
-        f"logs/{LABEL}/showcase.tsv"
+        f"logs/{PLACE}/showcase.tsv"
     conda:
         "../environment.yml"
     threads: 1
@@ -43,9 +43,10 @@ rule showcase:
         mem_mb=1000,
     params:
         budget=BUDGET,
+        reading=READING,
         tasks=TASKS,
     shell:
-        "python -m neol.study.report.showcase {params.budget} --tasks '{params.tasks}' {output} > {log} 2>&1"
+        "python -m neol.study.report.showcase {params.budget} --reading {params.reading} --tasks '{params.tasks}' {output} > {log} 2>&1"
 
 
 rule report_page:
@@ -59,9 +60,9 @@ rule report_page:
     output:
         REPORT,
     log:
-        f"logs/{LABEL}/report.log",
+        f"logs/{PLACE}/report.log",
     benchmark:
-        f"logs/{LABEL}/report.tsv"
+        f"logs/{PLACE}/report.tsv"
     conda:
         "../environment.yml"
     threads: 1
@@ -69,10 +70,11 @@ rule report_page:
         mem_mb=1000,
     params:
         budget=BUDGET,
+        reading=READING,
         tasks=TASKS,
         figures=lambda wildcards, output: Path(output[0]).parent,
     shell:
-        "python -m neol.study.report.page {params.budget} --tasks '{params.tasks}' {params.figures} {input.champions} {output} > {log} 2>&1"
+        "python -m neol.study.report.page {params.budget} --reading {params.reading} --tasks '{params.tasks}' {params.figures} {input.champions} {output} > {log} 2>&1"
 
 
 rule results_page:
@@ -84,9 +86,9 @@ rule results_page:
         page=RESULTS_PAGE,
         picture=str(Path(RESULTS_PAGE).with_suffix(".png")),
     log:
-        f"logs/{LABEL}/results_page.log",
+        f"logs/{PLACE}/results_page.log",
     benchmark:
-        f"logs/{LABEL}/results_page.tsv"
+        f"logs/{PLACE}/results_page.tsv"
     conda:
         "../environment.yml"
     threads: 1
@@ -94,10 +96,11 @@ rule results_page:
         mem_mb=1000,
     params:
         budget=BUDGET,
+        reading=READING,
         tasks=TASKS,
         figures=lambda wildcards, input: Path(input.picture).parent,
     shell:
-        "python -m neol.study.report.results {params.budget} --tasks '{params.tasks}' {params.figures} {output.page} > {log} 2>&1"
+        "python -m neol.study.report.results {params.budget} --reading {params.reading} --tasks '{params.tasks}' {params.figures} {output.page} > {log} 2>&1"
 
 
 rule paper_numbers:
@@ -106,11 +109,11 @@ rule paper_numbers:
         citation="CITATION.cff",
         code=WORDS,
     output:
-        f"build/{LABEL}/paper/results.tex",
+        f"build/{PLACE}/paper/results.tex",
     log:
-        f"logs/{LABEL}/paper_numbers.log",
+        f"logs/{PLACE}/paper_numbers.log",
     benchmark:
-        f"logs/{LABEL}/paper_numbers.tsv"
+        f"logs/{PLACE}/paper_numbers.tsv"
     conda:
         "../environment.yml"
     threads: 1
@@ -118,10 +121,11 @@ rule paper_numbers:
         mem_mb=1000,
     params:
         budget=BUDGET,
+        reading=READING,
         tasks=TASKS,
         figures=lambda wildcards, input: Path(input.shown[0]).parent,
     shell:
-        "python -m neol.study.report.paper_text {params.budget} --tasks '{params.tasks}' {params.figures} {output} > {log} 2>&1"
+        "python -m neol.study.report.paper_text {params.budget} --reading {params.reading} --tasks '{params.tasks}' {params.figures} {output} > {log} 2>&1"
 
 
 rule paper:
@@ -133,9 +137,9 @@ rule paper:
     output:
         PAPER,
     log:
-        f"logs/{LABEL}/paper.log",
+        f"logs/{PLACE}/paper.log",
     benchmark:
-        f"logs/{LABEL}/paper.tsv"
+        f"logs/{PLACE}/paper.tsv"
     conda:
         "../environment.yml"
     threads: 1

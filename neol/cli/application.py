@@ -138,11 +138,34 @@ def _budgets(incomplete: str) -> list[str]:
     return [name for name in budgets() if name.startswith(incomplete)]
 
 
+def _readings(incomplete: str) -> list[str]:
+    from neol.spec.configuration import READINGS
+    from neol.spec.readings import readings
+
+    return [name for name in readings(READINGS) if name.startswith(incomplete)]
+
+
+def one_reading(given: list[str] | None) -> str:
+    """The reading that is asked for. Raises UserError for two at once."""
+    from neol.spec.readings import DEFAULT_READING
+
+    if given and len(given) > 1:
+        raise UserError(f"--reading {' --reading '.join(given)}: give one reading")
+    return given[0] if given else DEFAULT_READING
+
+
 BudgetOption = Annotated[
     str | None,
     typer.Option(
         help="Take constants from this budget, a file of config/ such as desk; default: paper.",
         autocompletion=_budgets,
+    ),
+]
+ReadingOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="Take constants from this reading, a file of config/readings/; default: default.",
+        autocompletion=_readings,
     ),
 ]
 Overrides = Annotated[

@@ -5,7 +5,14 @@ from typing import Annotated
 
 import typer
 
-from neol.cli.application import BudgetOption, Overrides, app, examples
+from neol.cli.application import (
+    BudgetOption,
+    Overrides,
+    ReadingOption,
+    app,
+    examples,
+    one_reading,
+)
 
 
 @app.command(epilog=examples("neol digest a.parquet"))
@@ -19,17 +26,20 @@ def digest(record: Annotated[Path, typer.Argument(metavar="RECORD", help="A reco
 
 @app.command(
     epilog=examples(
-        "neol config --budget desk", "neol config --set neat.elitism=3", "neol config --schema"
+        "neol config --budget desk",
+        "neol config --reading first --set neat.elitism=3",
+        "neol config --schema",
     )
 )
 def config(
     budget: BudgetOption = None,
+    reading: ReadingOption = None,
     overrides: Overrides = None,
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of a configuration file.")
     ] = False,
 ) -> None:
-    """Print a budget's resolved configuration as YAML."""
+    """Print a budget's resolved configuration under a reading, as YAML."""
     import json
     import sys
 
@@ -40,8 +50,12 @@ def config(
     if schema:
         print(json.dumps(spec.schema(), indent=2))
         return
-    configuration = spec.load_configuration(budget or spec.PAPER_BUDGET, overrides or [])
-    content = configuration.model_dump(
-        mode="json", exclude={"tasks": {"__all__": {"name"}}, "budget": {"name"}}
+    configuration = spec.load_configuration(
+        budget or spec.PAPER_BUDGET, overrides or [], reading=one_reading(reading)
     )
+    content = configuration.model_dump(
+        mode="json",
+        exclude={"reading": True, "tasks": {"__all__": {"name"}}, "budget": {"name"}},
+    )
+    print(f"# Budget {configuration.budget.name}, reading {configuration.reading}")
     YAML().dump(content, sys.stdout)

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from neol.base.errors import INTERRUPTED, TERMINATED, UserError
-from neol.cli.application import BudgetOption, Overrides, app, complain, examples
+from neol.cli.application import (
+    BudgetOption,
+    Overrides,
+    ReadingOption,
+    app,
+    complain,
+    examples,
+    one_reading,
+)
 from neol.network.rules import RULES, WITHOUT_RULE
 
 if TYPE_CHECKING:
@@ -62,6 +70,7 @@ def run(
         bool | None, typer.Option("--write-back/--no-write-back", help="Inherit learned weights.")
     ] = None,
     budget: BudgetOption = None,
+    reading: ReadingOption = None,
     overrides: Overrides = None,
     engine: Annotated[
         Literal["auto", "fast", "reference"], typer.Option(help="All give the same bits.")
@@ -100,8 +109,10 @@ def run(
 
     budget_name, overrides = budget or PAPER_BUDGET, overrides or []
     # Before the options: --max-steps would make a constant of a task that is not there.
-    load_configuration(budget_name, overrides).check_names(task, method)
-    spec = load_configuration(budget_name, overrides, options).run_spec(
+    label = one_reading(reading)
+    load_configuration(budget_name, overrides, reading=label).check_names(task, method)
+    configuration = load_configuration(budget_name, overrides, options, label)
+    spec = configuration.run_spec(
         task=task,
         method=method,
         population=population,
@@ -126,6 +137,7 @@ def run(
             resume=resume,
             keep_partial=keep_partial,
             budget=budget,
+            reading=configuration.reading,
             on_generation=progress,
         )
     if not quiet:

@@ -15,11 +15,14 @@ PIPED_WIDTH = 200
 
 
 @app.command(
-    epilog=examples("neol status demo", "neol status results/demo", "neol status demo --watch")
+    epilog=examples(
+        "neol status demo", "neol status results/first/demo", "neol status demo --watch"
+    )
 )
 def status(
     campaign: Annotated[
-        Path, typer.Argument(metavar="CAMPAIGN", help="A folder like results/desk, or a budget.")
+        Path,
+        typer.Argument(metavar="CAMPAIGN", help="A folder like results/first/desk, or a budget."),
     ],
     watch: Annotated[
         bool, typer.Option("--watch", help="Go on showing it until the grid is done.")
@@ -38,13 +41,13 @@ def status(
     from neol.cli.status_view import picture, summary
     from neol.study.campaign.grid import RESULTS
     from neol.study.campaign.outlook import Status
-    from neol.study.campaign.shown import select
+    from neol.study.campaign.shown import SHOWN_READING, select
     from neol.study.campaign.status import Folder
 
     if not campaign.name:  # it is "."
         campaign = Path.cwd()
-    path = RESULTS / campaign if len(campaign.parts) == 1 else campaign
-    folder = Folder(path, select(path.name, tasks))
+    path = RESULTS / SHOWN_READING / campaign if len(campaign.parts) == 1 else campaign
+    folder = Folder(path, select(path.name, tasks, path.absolute().parent.name))
     if not path.is_dir():
         nowhere = f"{path} does not exist (from {Path.cwd()})"
         if watch:

@@ -39,8 +39,8 @@ def bench(context: typer.Context) -> None:
 @app.command(
     epilog=examples(
         "neol compare a.parquet b.parquet",
-        "neol compare results/demo/cartpole/bcm/p050_lr0.25 results/demo/cartpole/neat/p050 \\",
-        "    --output curves.png",
+        "neol compare results/first/demo/cartpole/bcm/p050_lr0.25 \\",
+        "    results/first/demo/cartpole/neat/p050 --output curves.png",
     )
 )
 def compare(

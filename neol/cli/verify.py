@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 @app.command(
     epilog=examples(
-        "neol manifest results/demo",
-        "neol manifest results/paper --tasks cartpole",
+        "neol manifest results/first/demo",
+        "neol manifest results/first/paper --tasks cartpole",
     )
 )
 def manifest(
@@ -39,7 +39,7 @@ def manifest(
 @app.command(
     epilog=examples(
         "neol verify results",
-        "neol verify results/demo --replay 5 --generations 3",
+        "neol verify results/first/demo --replay 5 --generations 3",
         "neol verify a.parquet --replay 1 --generations 60 --replay-champions 1",
     )
 )

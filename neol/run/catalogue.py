@@ -29,7 +29,7 @@ def table_of_runs(results: Path) -> pd.DataFrame:
         rows += [
             {
                 "record": name,
-                "budget": record.budget,
+                "budget": record.campaign,
                 "sensitivity": "sensitivity" in Path(name).parts,
                 "task": spec.task.name,
                 "method": spec.method,

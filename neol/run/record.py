@@ -89,6 +89,11 @@ class SeedInfo(Model):
     provenance: Provenance
 
 
+def campaign_name(reading: str | None, budget: str) -> str:
+    """How a campaign is called, and its folder below results/: first/demo."""
+    return f"{reading}/{budget}"
+
+
 @dataclass(frozen=True, slots=True)
 class Record:
     """A block of runs that differ in their seeds only."""
@@ -97,10 +102,17 @@ class Record:
     """With the seed of the first run; `spec_of` gives the others'."""
     budget: str | None
     """The budget that the constants come from; None for config/base.yaml alone."""
+    reading: str | None
+    """The label of the reading that they come from; None where none was chosen."""
     table: pa.Table
     """`SCHEMA`, sorted by seed and generation."""
     seeds: tuple[SeedInfo, ...]
     """By seed."""
+
+    @property
+    def campaign(self) -> str | None:
+        """The campaign that it is part of, such as first/demo; None where it is of no budget."""
+        return None if self.budget is None else campaign_name(self.reading, self.budget)
 
     def frame(self) -> "pd.DataFrame":
         """The rows as a data frame.
@@ -137,6 +149,7 @@ def join(records: Iterable[Record]) -> Record:
     return Record(
         spec=first.spec,
         budget=first.budget,
+        reading=first.reading,
         table=pa.concat_tables([record.table for record in records]).combine_chunks(),
         seeds=tuple(info for record in records for info in record.seeds),
     )

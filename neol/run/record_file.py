@@ -20,7 +20,8 @@ from neol.base.errors import UserError, one_line
 from neol.base.files import files_below, open_regular, read_bounded, write_atomically
 from neol.neat.check import check_genome
 from neol.run.record import SCHEMA, Record, SeedInfo, column_values
-from neol.spec.run_spec import RunSpec, canonical_json
+from neol.spec.readings import FIRST_READING
+from neol.spec.run_spec import RunSpec, canonical_json, complete
 from neol.spec.types import Model
 
 SCHEMA_VERSION = 1
@@ -37,6 +38,8 @@ class RecordMetadata(Model):
     spec_digest: str
     """SHA-256 in hex of that as canonical JSON."""
     budget: str | None
+    reading: str | None = FIRST_READING
+    """Left out by records that are older than readings."""
     seeds: tuple[SeedInfo, ...]
 
 
@@ -47,6 +50,7 @@ def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> 
         spec=record.spec.without_seed(),
         spec_digest=record.spec.digest(),
         budget=record.budget,
+        reading=record.reading,
         seeds=record.seeds,
     )
     text = canonical_json(metadata.model_dump(mode="json"))
@@ -113,7 +117,7 @@ def read_footer(path: Path) -> RecordMetadata:
 
 def first_difference(stored: dict[str, Any], expected: RunSpec) -> str | None:
     """Where a stored specification differs from another (seeds aside); None where they agree."""
-    return _first_difference(stored, expected.without_seed())
+    return _first_difference(complete(stored), complete(expected.without_seed()))
 
 
 def _stored_spec(path: Path, text: bytes) -> dict[str, Any]:
@@ -175,7 +179,7 @@ def _validated(text: bytes, table: pa.Table) -> Record:
     spec = RunSpec.model_validate_json(
         pydantic_core.to_json({**metadata.spec, "seed": metadata.seeds[0].seed})
     )
-    record = Record(spec, metadata.budget, table, metadata.seeds)
+    record = Record(spec, metadata.budget, metadata.reading, table, metadata.seeds)
     if metadata.spec_digest != record.spec.digest():
         raise ValueError("the specification does not match its digest")
     seeds, generations, best = (

@@ -120,6 +120,7 @@ def run_block(
     resume: bool = False,
     keep_partial: bool = False,
     budget: str | None = None,
+    reading: str | None = None,
     on_generation: OnGeneration | None = None,
 ) -> Record:
     """Run a specification with several seeds (its own is left aside) and write their record.
@@ -152,6 +153,7 @@ def run_block(
                         partial,
                         checkpoint_every,
                         budget,
+                        reading,
                         on_generation,
                     )
                     for seed in seeds
@@ -179,7 +181,7 @@ def evolve(
     with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
         specs = [spec.model_copy(update={"seed": seed}) for seed in seeds]
         results = [run_seed(each, player, on_generation=on_generation) for each in specs]
-    return join([_record_of(result, budget=None) for result in results])
+    return join([_record_of(result, None, None) for result in results])
 
 
 def _complete(output: Path, spec: RunSpec, seeds: Sequence[int], resume: bool) -> Record | None:
@@ -197,6 +199,7 @@ def _seed_record(
     partial: Path,
     checkpoint_every: int,
     budget: str | None,
+    reading: str | None,
     on_generation: OnGeneration | None,
 ) -> Record:
     """The record of one seed: the finished one that is there, or a new one."""
@@ -212,13 +215,13 @@ def _seed_record(
             checkpoint_every=checkpoint_every,
             on_generation=on_generation,
         )
-        record = _record_of(result, budget)
+        record = _record_of(result, budget, reading)
         write_record(finished, record)
     checkpoint.unlink(missing_ok=True)
     return record
 
 
-def _record_of(result: SeedResult, budget: str | None) -> Record:
+def _record_of(result: SeedResult, budget: str | None, reading: str | None) -> Record:
     info = SeedInfo(
         seed=result.spec.seed,
         digest=result.digest,
@@ -231,7 +234,8 @@ def _record_of(result: SeedResult, budget: str | None) -> Record:
         cpu_seconds=result.cost.cpu_seconds,
         provenance=provenance(),
     )
-    return Record(result.spec, budget, history_table(info.seed, result.history), (info,))
+    table = history_table(info.seed, result.history)
+    return Record(result.spec, budget, reading, table, (info,))
 
 
 def _distinct(seeds: Sequence[int]) -> list[int]:

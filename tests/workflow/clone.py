@@ -18,7 +18,7 @@ from neol.study.campaign.jobs import Job, jobs
 from neol.study.campaign.shown import figures_folder, select
 
 SMOKE = ("--config", "budget=smoke")
-FIGURES = figures_folder(select("smoke").budget)
+FIGURES = figures_folder(select("smoke"))
 """Of that budget."""
 TARGETS = {"all", "tables", "figures", "claims", "beyond", "records", "total"}
 JOB_COUNT = re.compile(r"^([\w.-]+) +(\d+)$", re.MULTILINE)

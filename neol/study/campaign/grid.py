@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 
+from neol.run.record import campaign_name
 from neol.spec.configuration import ROOT, Configuration
-from neol.spec.constants import Budget
 from neol.spec.run_spec import RunSpec
 
 RESULTS = Path("results")
@@ -34,7 +34,8 @@ class Cell:
 class Block:
     """Seeds `first` to `last` of a cell: what one job runs and one record holds."""
 
-    budget: str
+    home: Path
+    """The folder of its campaign: results/first/smoke."""
     cell: Cell
     first: int
     last: int
@@ -45,9 +46,14 @@ class Block:
 
     @property
     def record(self) -> Path:
-        """results/smoke/cartpole/hebb/p050_lr0.00025/seeds_000-004.parquet"""
+        """results/first/smoke/cartpole/hebb/p050_lr0.00025/seeds_000-004.parquet"""
         name = f"seeds_{self.first:03d}-{self.last:03d}.parquet"
-        return RESULTS / self.budget / self.cell.folder / name
+        return self.home / self.cell.folder / name
+
+
+def home(configuration: Configuration) -> Path:
+    """The folder of a budget's records under a reading: results/first/smoke."""
+    return RESULTS / campaign_name(configuration.reading, configuration.budget.name)
 
 
 def cells(configuration: Configuration) -> list[Cell]:
@@ -64,7 +70,7 @@ def cells(configuration: Configuration) -> list[Cell]:
 
 def blocks(configuration: Configuration) -> list[Block]:
     """The budget's jobs, in the order of its cells and seeds."""
-    return [block for cell in cells(configuration) for block in _split(configuration.budget, cell)]
+    return [block for cell in cells(configuration) for block in _split(configuration, cell)]
 
 
 def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
@@ -100,11 +106,12 @@ def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str
     return {(cell.task, cell.method): cell for cell in listed if cell in available}
 
 
-def _split(budget: Budget, cell: Cell) -> Iterator[Block]:
+def _split(configuration: Configuration, cell: Cell) -> Iterator[Block]:
+    budget = configuration.budget
     size = budget.seeds_per_job_of(cell.task)
-    for first in range(0, budget.seeds, size):
-        last = min(first + size, budget.seeds) - 1
-        yield Block(budget.name, cell, first, last)
+    seeds = budget.seed_range
+    for part in (seeds[begin : begin + size] for begin in range(0, len(seeds), size)):
+        yield Block(home(configuration), cell, part[0], part[-1])
 
 
 def _plain(number: float) -> str:

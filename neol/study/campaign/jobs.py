@@ -22,6 +22,7 @@ class Job:
     record: Path
     log: Path
     """What the call says, where the workflow makes it."""
+    reading: str
     budget: str
     part: str
     """Of the campaign: a method, or `SENSITIVITY`."""
@@ -35,6 +36,7 @@ class Job:
         """The job as the command line of `neol run` has it."""
         spec = self.spec
         options = {
+            "reading": self.reading,
             "budget": self.budget,
             "task": spec.task.name,
             "method": spec.method,
@@ -71,14 +73,15 @@ class Job:
 
 def jobs(configuration: Configuration, results: Path = RESULTS) -> Iterator[Job]:
     """All of a budget: its cells' blocks, and the trials of the sensitivity study."""
-    budget, logs = configuration.budget.name, results.absolute().parent / "logs"
+    reading, budget = configuration.reading, configuration.budget.name
+    logs = results.absolute().parent / "logs"
 
     def job(
         place: Path, part: str, spec: RunSpec, seeds: range, overrides: Sequence[str] = ()
     ) -> Job:
         below = place.relative_to(RESULTS)
         log = (logs / below).with_suffix(".log")
-        return Job(results / below, log, budget, part, spec, seeds, overrides)
+        return Job(results / below, log, reading, budget, part, spec, seeds, overrides)
 
     for block in blocks(configuration):
         spec = run_specs(configuration, block)[0]

@@ -1,23 +1,30 @@
-"""What tables and figures show: a budget, with all of its tasks or some."""
+"""What tables and figures show: a budget under a reading, with all of its tasks or some."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from neol.base.errors import UserError, hint
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
+from neol.spec.readings import FIRST_READING
 
 DEFAULT_BUDGET = "desk"
 """Where none is named."""
+SHOWN_READING = FIRST_READING
+"""Where none is named: that of the records that the repository has."""
 FIGURES = Path("figures")
 
 
-def select(budget: str = DEFAULT_BUDGET, tasks: str = "") -> Configuration:
+def select(
+    budget: str = DEFAULT_BUDGET, tasks: str = "", reading: str = SHOWN_READING
+) -> Configuration:
     """A budget's configuration; with some of its tasks only if they are named: "cartpole,hopper".
 
-    Raises UserError for an unknown budget, or a task that the budget does not have.
+    Raises UserError for an unknown budget or reading, or a task that the budget does not have.
     """
-    configuration = load_configuration(budget)
+    configuration = load_configuration(budget, reading=reading)
     all_tasks = configuration.budget.tasks
     chosen = tasks.split(",") if tasks else all_tasks
     for task in chosen:
@@ -47,18 +54,55 @@ def chosen_tasks(budget: Budget) -> tuple[str, ...]:
     return () if budget.tasks == all_tasks else budget.tasks
 
 
-def label(budget: Budget) -> str:
-    """What its folders are called: paper, or paper-cartpole,hopper."""
-    tasks = chosen_tasks(budget)
-    return f"{budget.name}-{','.join(tasks)}" if tasks else budget.name
+def label(configuration: Configuration) -> str:
+    """What is shown, as a path: paper, paper-cartpole,hopper, or of another reading default/paper.
+
+    It begins with the reading where that is not the shown one.
+    """
+    whole = full_label(configuration)
+    return whole.removeprefix(f"{SHOWN_READING}/")
 
 
-def figures_folder(budget: Budget) -> Path:
+def full_label(configuration: Configuration) -> str:
+    """The same with its reading in any case: first/paper-cartpole,hopper."""
+    budget, tasks = configuration.budget.name, chosen_tasks(configuration.budget)
+    return f"{configuration.reading}/{'-'.join([budget, ','.join(tasks)] if tasks else [budget])}"
+
+
+def figures_folder(configuration: Configuration) -> Path:
     """Where its tables and figures are: figures/, or figures/paper-cartpole."""
-    return FIGURES if label(budget) == DEFAULT_BUDGET else FIGURES / label(budget)
+    name = label(configuration)
+    return FIGURES if name == DEFAULT_BUDGET else FIGURES / name
 
 
-def snakemake_options(budget: Budget) -> str:
+def snakemake_options(configuration: Configuration) -> str:
     """What the workflow is told: --config budget=paper tasks=cartpole."""
-    tasks = chosen_tasks(budget)
-    return f"--config budget={budget.name}" + (f" tasks={','.join(tasks)}" if tasks else "")
+    options = {"budget": configuration.budget.name}
+    if configuration.reading != SHOWN_READING:
+        options["reading"] = configuration.reading
+    if tasks := chosen_tasks(configuration.budget):
+        options["tasks"] = ",".join(tasks)
+    return " ".join(["--config", *(f"{name}={value}" for name, value in options.items())])
+
+
+def differences(configuration: Configuration) -> dict[str, tuple[str, str]]:
+    """Its value and the default reading's of each constant in which they differ.
+
+    By key, such as neat.elitism; budgets are left out, and what a budget sets.
+    """
+    here, default = (
+        _flat(each.model_dump(mode="json", exclude={"reading", "budget"}))
+        for each in (configuration, load_configuration(configuration.budget.name))
+    )
+    return {key: (here[key], default[key]) for key in here if here[key] != default[key]}
+
+
+def _flat(content: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
+    """Nested constants by path of keys, as text."""
+    flat = dict[str, str]()
+    for key, value in content.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{prefix}{key}.")
+        else:
+            flat[prefix + key] = value if isinstance(value, str) else json.dumps(value)
+    return flat

@@ -83,7 +83,7 @@ class Folder:
 
     def __init__(self, path: Path, configuration: Configuration) -> None:
         self.path = path
-        self._jobs = list(jobs(configuration, path.parent))
+        self._jobs = list(jobs(configuration, path.parent.parent))
         self._read: dict[Path, tuple[tuple[int, int], tuple[Finished, ...]]] = {}
 
     def look(self) -> list[JobStatus]:

@@ -16,7 +16,7 @@ from neol.spec.configuration import CONFIG, Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
 from neol.spec.sources import Overlay
 from neol.spec.types import MethodName, Model, PopulationSize, PositiveInt, Several
-from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.grid import home
 
 VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
 STUDY = CONFIG / "sensitivity" / "study.yaml"
@@ -81,11 +81,11 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
         raise UserError(f'unknown variant "{name}"{hint(name, known)}')
     variant = known[name]
     try:
-        changed = load_configuration(budget.name, variant.set)
+        changed = load_configuration(budget.name, variant.set, reading=configuration.reading)
     except UserError as error:
         raise UserError(f"{VARIANTS.parent.name}/{VARIANTS.name}: {name}.set: {error}") from None
     rate = budget.learning_rates[len(budget.learning_rates) // 2]
-    seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seeds, most.seeds))
+    seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seed_count, most.seeds))
     return [
         Trial(
             variant=name,
@@ -100,13 +100,13 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
                 seed=seeds[0],
             ),
             seeds=seeds,
-            record=folder(budget.name, name) / f"{task}_{method}.parquet",
+            record=folder(configuration, name) / f"{task}_{method}.parquet",
         )
         for task in budget.tasks
         for method in variant.methods
     ]
 
 
-def folder(budget: str, name: str) -> Path:
-    """Where a variant's records lie: results/smoke/sensitivity/beta-0.001."""
-    return RESULTS / budget / "sensitivity" / re.sub(r"[^\w.]+", "-", name)
+def folder(configuration: Configuration, name: str) -> Path:
+    """Where a variant's records lie: results/first/smoke/sensitivity/beta-0.001."""
+    return home(configuration) / "sensitivity" / re.sub(r"[^\w.]+", "-", name)

@@ -10,7 +10,7 @@ import pandas as pd
 from neol.pictures.labels import three_figures
 from neol.spec.configuration import Configuration, load_configuration
 from neol.study.campaign.cost import run_seconds
-from neol.study.campaign.grid import Block, cells, run_specs
+from neol.study.campaign.grid import Block, cells, home, run_specs
 from neol.study.campaign.shown import chosen_tasks
 from neol.study.claims.claims import (
     NO_COMMON_RANGE,
@@ -43,20 +43,23 @@ def steps(ledger: pd.DataFrame, configuration: Configuration) -> list[NextStep]:
         if chosen_tasks(budget)
         else ("paper", "cells that this budget does not have: the paper's budget")
     )
-    other = load_configuration(elsewhere)
-    more = [seeds for seeds in SEED_COUNTS if seeds > budget.seeds]
+    other = load_configuration(elsewhere, reading=configuration.reading)
+    more = [seeds for seeds in SEED_COUNTS if seeds > budget.seed_count]
     takes: dict[str | float, tuple[str, float | None]] = {
         "runs": ("the rest of this budget's runs", None),
         **{
-            seeds: (f"{seeds} seeds instead of {budget.seeds}", core_hours(configuration, seeds))
+            seeds: (
+                f"{seeds} seeds instead of {budget.seed_count}",
+                core_hours(configuration, seeds),
+            )
             for seeds in more
         },
         math.inf: ("more seeds than that: little or no difference is seen here", None),
         "generations": (
             f"{PAPER_GENERATIONS} generations",
-            core_hours(configuration, budget.seeds, PAPER_GENERATIONS),
+            core_hours(configuration, budget.seed_count, PAPER_GENERATIONS),
         ),
-        "cells": (where, core_hours(other, other.budget.seeds)),
+        "cells": (where, core_hours(other, other.budget.seed_count)),
     }
     counts = Counter(_lack(parts, more) for _, parts in open_parts(ledger))
     return [
@@ -71,7 +74,7 @@ def core_hours(
 ) -> float | None:
     """What a budget's grid costs by measurement, held-out episodes left out; None if unknown."""
     first = [
-        run_specs(configuration, Block(configuration.budget.name, cell, 0, 0))[0]
+        run_specs(configuration, Block(home(configuration), cell, 0, 0))[0]
         for cell in cells(configuration)
     ]
     seconds = [

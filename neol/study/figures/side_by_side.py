@@ -20,7 +20,7 @@ from neol.pictures.style import WIDTH, drawing, footer, styles
 from neol.run.record import Record, SeedInfo, join
 from neol.run.record_file import read_record
 from neol.spec.configuration import budgets, load_configuration
-from neol.spec.run_spec import RunSpec
+from neol.spec.run_spec import RunSpec, complete
 from neol.study.figures.plots import clip_to_runs, draw_curve
 from neol.study.outcomes.score import samples, score
 from neol.study.outcomes.statistics import mean_interval
@@ -68,7 +68,7 @@ def read_compared(paths: Sequence[Path]) -> list[Compared]:
 
 def differences(compared: Sequence[Compared]) -> dict[str, list[str]]:
     """The constants that are not the same for all, each with its values."""
-    constants = [_flat(each.spec.without_seed()) for each in compared]
+    constants = [_flat(complete(each.spec.without_seed())) for each in compared]
     values = {key: [str(each[key]) for each in constants] for key in constants[0]}
     return {key: each for key, each in values.items() if len(set(each)) > 1}
 

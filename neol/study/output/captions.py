@@ -6,19 +6,33 @@ from neol.pictures.labels import listed, task_label
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.study.campaign.grid import cells
-from neol.study.campaign.shown import chosen_tasks, with_tasks
+from neol.study.campaign.shown import chosen_tasks, differences, with_tasks
 from neol.study.campaign.variants import BASELINE, trials
 from neol.study.outcomes.campaign_runs import Campaign
 
 
 def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
-    """A budget in a sentence or two, for captions that concern some of its tasks, or all."""
+    """A budget and its reading in a few sentences, for captions.
+
+    They concern some of its tasks, or all.
+    """
     budget = configuration.budget
     sentence = (
         f"Budget {describe_name(budget)}: G = {describe_generations(budget, tasks)} generations, "
-        f"{budget.seeds} seeds, {describe_episodes(configuration, tasks)}."
+        f"{budget.seed_count} seeds, {describe_episodes(configuration, tasks)}."
     )
-    return sentence if is_papers(configuration) else f"{sentence} Reduced budget: not the paper's."
+    if not is_papers(configuration):
+        sentence += " Reduced budget: not the paper's."
+    return f"{sentence} {describe_reading(configuration)}"
+
+
+def describe_reading(configuration: Configuration) -> str:
+    """The reading and each constant that differs from the default one's, in a sentence."""
+    changed = ", ".join(
+        f"{key} = {here} instead of {default}"
+        for key, (here, default) in differences(configuration).items()
+    )
+    return f"Reading {configuration.reading}{f': {changed}' if changed else ''}."
 
 
 def describe_name(budget: Budget) -> str:
@@ -29,7 +43,8 @@ def describe_name(budget: Budget) -> str:
 
 def is_papers(configuration: Configuration) -> bool:
     """Whether it spends what the paper does, on whatever tasks."""
-    return configuration == with_tasks(load_configuration("paper"), configuration.budget.tasks)
+    paper = load_configuration("paper", reading=configuration.reading)
+    return configuration == with_tasks(paper, configuration.budget.tasks)
 
 
 def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:
@@ -68,7 +83,7 @@ def lacking(campaign: Campaign) -> str:
     missing = [len(campaign.runs(cell).missing) for cell in grid]
     if not any(missing):
         return ""
-    runs = len(grid) * campaign.configuration.budget.seeds
+    runs = len(grid) * campaign.configuration.budget.seed_count
     incomplete = sum(map(bool, missing))
     return (
         f"Seeds are missing: {incomplete} of {len(grid)} cells are incomplete, "

@@ -14,7 +14,7 @@ from neol.run.provenance import checkout, describe_checkout
 from neol.spec.configuration import ROOT, Configuration
 from neol.spec.run_spec import canonical_json
 from neol.spec.types import Model
-from neol.study.campaign.shown import snakemake_options
+from neol.study.campaign.shown import differences, snakemake_options
 from neol.study.outcomes.campaign_runs import Source
 
 MAX_BYTES = 2**27
@@ -25,7 +25,7 @@ INPUTS = ("paper", "notebooks", "rules", "Snakefile", "CITATION.cff")
 def command(output: Path, configuration: Configuration) -> str:
     """What makes an output again, from the root of the checkout."""
     path = os.path.relpath(output.resolve(), ROOT)
-    return f"snakemake {path} {snakemake_options(configuration.budget)}"
+    return f"snakemake {path} {snakemake_options(configuration)}"
 
 
 class Sidecar(Model):
@@ -39,6 +39,9 @@ class Sidecar(Model):
     dirty: bool | None
     """Whether code, constants or `INPUTS` differed from that commit; None outside a checkout."""
     budget: str
+    reading: str
+    differs: dict[str, str]
+    """Each constant that differs from the default reading's, with its value here."""
     configuration: str
     """SHA-256 of the resolved configuration as canonical JSON."""
     records: tuple[Source, ...]
@@ -75,6 +78,8 @@ def write_sidecar(
         commit=commit,
         dirty=dirty,
         budget=configuration.budget.name,
+        reading=configuration.reading,
+        differs={key: here for key, (here, _) in differences(configuration).items()},
         configuration=hashlib.sha256(resolved).hexdigest(),
         records=tuple(sources),
     )
@@ -103,6 +108,8 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
         yield f"{name}{_state(path.parent / name, expected)}"
     yield f"made by  {sidecar.command}"
     yield f"commit   {sidecar.code()}"
+    changed = ", ".join(f"{key}={value}" for key, value in sidecar.differs.items())
+    yield f"reading  {sidecar.reading}{f' ({changed})' if changed else ''}"
     yield f"budget   {sidecar.budget}, configuration {sidecar.configuration[:16]}"
     yield f"records  {len(sidecar.records)}, of {sidecar.runs} runs"
     for record in sidecar.records:

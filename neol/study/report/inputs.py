@@ -13,7 +13,7 @@ import pandas as pd
 from neol.base.errors import UserError
 from neol.base.files import read_bounded
 from neol.study.campaign.grid import RESULTS
-from neol.study.campaign.shown import select
+from neol.study.campaign.shown import SHOWN_READING, select
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.output.sidecar import Sidecar
 from neol.study.tables import paper_tables
@@ -26,12 +26,14 @@ def command_line(module: str, purpose: str | None, work: Callable[..., None], **
     """Call `work` with a budget's campaign and some paths, each with its meaning, as a program."""
     parser = argparse.ArgumentParser(prog=f"python -m {module}", description=purpose)
     parser.add_argument("budget")
+    parser.add_argument("--reading", default=SHOWN_READING, help="the reading of its runs")
     parser.add_argument("--tasks", default="", help="some of the budget's only: cartpole,hopper")
     for name, meaning in paths.items():
         parser.add_argument(name, type=Path, help=meaning)
     arguments = vars(parser.parse_args())
     try:
-        configuration = select(arguments.pop("budget"), arguments.pop("tasks"))
+        chosen = (arguments.pop(name) for name in ("budget", "tasks", "reading"))
+        configuration = select(*chosen)
         work(Campaign(configuration, RESULTS), **arguments)
     except UserError as error:
         print(f"neol: {error}", file=sys.stderr)

@@ -15,6 +15,7 @@ from markdown_it import MarkdownIt
 
 from neol.base.files import write_atomically
 from neol.run.provenance import checkout, describe_checkout
+from neol.run.record import campaign_name
 from neol.spec.configuration import ROOT
 from neol.study.campaign.exhibits import BEYOND, heatmaps_of
 from neol.study.campaign.shown import snakemake_options
@@ -77,7 +78,8 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         "page.html.j2",
         project=citation(),
         budget=configuration.budget,
-        options=snakemake_options(configuration.budget),
+        campaign=campaign_name(configuration.reading, configuration.budget.name),
+        options=snakemake_options(configuration),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),

@@ -21,6 +21,7 @@ from neol.study.outcomes.effects import FITNESS
 from neol.study.output.captions import (
     describe_generations,
     describe_name,
+    describe_reading,
     describe_samples,
     describe_trials,
     is_papers,
@@ -123,11 +124,12 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
     reduced = "" if is_papers(configuration) else r"\emph{This is less than the paper's budget.}"
     yield "budget/name", escape(describe_name(budget))
     yield "budget/generations", escape(describe_generations(budget))
-    yield "budget/seeds", _number(budget.seeds)
+    yield "budget/seeds", _number(budget.seed_count)
     yield "budget/largest_population", _number(max(budget.populations))
     yield "budget/populations", ", ".join(map(_number, budget.populations))
     yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))
     yield "budget/reduced", reduced
+    yield "budget/reading", escape(describe_reading(configuration))
     yield "spec/episodes", _number(configuration.evaluation.episodes)
     yield "spec/held_out_episodes", _number(configuration.evaluation.held_out_episodes)
     yield "spec/reward_scale", _number(configuration.plasticity.reward_scale)

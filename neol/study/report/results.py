@@ -32,11 +32,11 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     ledger = vouched_frame(figures / "claims.csv")
     effects = vouched_frame(figures / "beyond_effects.csv")
     spent = costs(campaign)
-    estimated = open_claims.core_hours(configuration, configuration.budget.seeds)
+    estimated = open_claims.core_hours(configuration, configuration.budget.seed_count)
     return render(
         "results.md.j2",
         name=name,
-        options=snakemake_options(configuration.budget),
+        options=snakemake_options(configuration),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         commit=sidecar.code(12),

@@ -1,6 +1,6 @@
 """Verification of records as they lie there, in milliseconds each; no run is repeated.
 
-What a budget has in a folder with a manifest is listed once and takes longer.
+What a campaign has in a folder with a manifest is listed once and takes longer.
 
 `neol.study.verification.replays` repeats runs, `neol.study.verification.manifest` knows manifests.
 """
@@ -20,7 +20,7 @@ from neol.spec.observations import size_of
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.jobs import SENSITIVITY
 from neol.study.verification import manifest
-from neol.study.verification.manifest import Budgets, ManifestFolders, absolute
+from neol.study.verification.manifest import Campaigns, ManifestFolders, absolute
 
 ROUNDING = 1e-9
 """Relative: what is smaller may come from adding up in another order."""
@@ -65,8 +65,8 @@ class Verification:
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._roots = {absolute(path): path for path in paths}
-        self._budgets = Budgets()
-        self._folders = ManifestFolders(self._budgets)
+        self._campaigns = Campaigns()
+        self._folders = ManifestFolders(self._campaigns)
         records: dict[Path, None] = {}
         for root, path in self._roots.items():
             if not path.exists():
@@ -95,10 +95,10 @@ class Verification:
                     yield Problem(self._as_given(path), meaning)
 
     def notes(self) -> Iterator[str]:
-        """After the check: how much of its budgets is there, and what no manifest vouches for."""
-        for budget, found in self._found.items():
-            all_of_it = len(self._budgets.cells(budget))
-            yield f"{len(found):,} of {all_of_it:,} records of budget {budget}"
+        """After the check: how much of its campaigns is there, and what no manifest vouches for."""
+        for campaign, found in self._found.items():
+            all_of_it = len(self._campaigns.cells(campaign))
+            yield f"{len(found):,} of {all_of_it:,} records of {campaign}"
         if loose := sum(self._folders.above(path) is None for path in self.records):
             yield f"{loose:,} in no {manifest.NAME} (neol manifest FOLDER writes one)"
 
@@ -113,12 +113,12 @@ class Verification:
         if folder := self._folders.above(path):
             problems = folder.problems(path, content, record)
             findings += [Problem(shown, problem) for problem in problems]
-        if record.budget is not None:
+        if record.campaign is not None:
             tails = {"/".join(path.parts[first:]) for first in range(1, len(path.parts))}
-            jobs = self._budgets.jobs(record.budget)
+            jobs = self._campaigns.jobs(record.campaign)
             cells = {name for name in tails & jobs.keys() if jobs[name].part != SENSITIVITY}
             if cells:
-                self._found.setdefault(record.budget, set()).update(cells)
+                self._found.setdefault(record.campaign, set()).update(cells)
         return Checked(shown, tuple(info.seed for info in record.seeds), tuple(findings))
 
     def _as_given(self, path: Path) -> Path:

@@ -13,10 +13,11 @@ from pydantic_core import PydanticCustomError
 
 from neol.base.errors import UserError, one_line
 from neol.base.files import files_below, read_bounded, write_atomically
-from neol.run.record import Record
+from neol.run.record import Record, campaign_name
 from neol.run.record_file import MAX_BYTES as MAX_RECORD_BYTES
 from neol.run.record_file import first_difference, parse_record, records_below
-from neol.spec.configuration import budgets, load_configuration
+from neol.spec.configuration import load_configuration
+from neol.spec.readings import FIRST_READING
 from neol.spec.types import Model
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
@@ -67,22 +68,31 @@ class Manifest(Model):
     version: Literal[1] = 1
     budget: str | None
     """That all of them belong to."""
+    reading: str | None = FIRST_READING
+    """That all of them are made under; left out where they are older than readings."""
     tasks: tuple[str, ...] = ()
     """Those of the budget's that it speaks for; none where it speaks for all."""
     records: tuple[ManifestEntry, ...]
     """By path."""
+
+    @property
+    def campaign(self) -> str | None:
+        """Such as first/demo; None where the records are of no budget."""
+        return None if self.budget is None else campaign_name(self.reading, self.budget)
 
     def covers(self, job: Job) -> bool:
         """Whether it speaks for the record of this job."""
         return not self.tasks or job.spec.task.name in self.tasks
 
 
-def records_of(budget: str | None) -> dict[str, Job]:
-    """The records of a budget, by path below its folder; none for one that is not known."""
-    if budget is None or budget not in budgets():
+def records_of(campaign: str | None) -> dict[str, Job]:
+    """The records of a campaign, by path below its folder; none for one that is not known."""
+    reading, _, budget = (campaign or "").rpartition("/")
+    try:
+        every = list(jobs(load_configuration(budget, reading=reading)))
+    except UserError:  # a record may state any
         return {}
-    home = RESULTS / budget
-    every = jobs(load_configuration(budget))
+    home = RESULTS / reading / budget
     return {job.record.relative_to(home).as_posix(): job for job in every}
 
 
@@ -93,20 +103,20 @@ def write_manifest(folder: Path, tasks: str = "") -> Manifest:
     Raises UserError for a record that is not whole, of another budget than the first, or none
     that these tasks have there; and for a task that the budget does not have.
     """
-    budget, entries = _entries(folder)
-    jobs_of_budget = records_of(budget)
-    chosen: tuple[str, ...] = ()
-    if budget and jobs_of_budget:
-        chosen = chosen_tasks(select(budget, tasks).budget)
+    manifest = _manifest_of(folder)
+    campaign = manifest.campaign
+    jobs_of_campaign = records_of(campaign)
+    if manifest.budget and manifest.reading and jobs_of_campaign:
+        shown = select(manifest.budget, tasks, manifest.reading)
+        manifest = manifest.model_copy(update={"tasks": chosen_tasks(shown.budget)})
     elif tasks:
         raise UserError(f"{folder}: its records are of no budget that config/ has, so of no tasks")
-    manifest = Manifest(budget=budget, tasks=chosen, records=entries)
-    for entry in entries if jobs_of_budget else ():
-        job = jobs_of_budget.get(entry.path)
+    for entry in manifest.records if jobs_of_campaign else ():
+        job = jobs_of_campaign.get(entry.path)
         if job is None:
             raise UserError(
-                f"{folder / entry.path}: budget {budget} has no record of this name; "
-                f"a manifest is for a budget's own folder, like {RESULTS}/{budget}"
+                f"{folder / entry.path}: {campaign} has no record of this name; "
+                f"a manifest is for a budget's own folder, like {RESULTS}/{campaign}"
             )
         if not manifest.covers(job):
             raise UserError(
@@ -131,29 +141,27 @@ def read_manifest(folder: Path) -> Manifest:
     return manifest
 
 
-def _entries(folder: Path) -> tuple[str | None, tuple[ManifestEntry, ...]]:
-    """The budget of the records below a folder, and their entries. Raises UserError for several."""
+def _manifest_of(folder: Path) -> Manifest:
+    """Of all records below a folder. Raises UserError for none, or some of several campaigns."""
     entries: list[ManifestEntry] = []
-    firsts: dict[str | None, Path] = {}
+    firsts: dict[str | None, tuple[Path, Record]] = {}
     for path in records_below(folder):
         content = read_bounded(path, MAX_RECORD_BYTES)
         record = parse_record(path, content)
         entries.append(ManifestEntry.of(path.relative_to(folder).as_posix(), content, record))
-        firsts.setdefault(record.budget, path)
+        firsts.setdefault(record.campaign, (path, record))
     if not entries:
         raise UserError(f"{folder}: holds no records")
     if len(firsts) > 1:
-        (one, first), (other, second) = list(firsts.items())[:2]
-        raise UserError(
-            f"{second}: is of budget {other}, {first} of {one}; give each budget its own folder"
-        )
-    (budget,) = firsts
-    return budget, tuple(entries)
+        (one, (first, _)), (other, (second, _)) = list(firsts.items())[:2]
+        raise UserError(f"{second}: is of {other}, {first} of {one}; give each its own folder")
+    ((_, record),) = firsts.values()
+    return Manifest(budget=record.budget, reading=record.reading, records=tuple(entries))
 
 
 def _text(manifest: Manifest) -> str:
     """As JSON, a line a record."""
-    about = manifest.model_dump(mode="json", include={"version", "budget"})
+    about = manifest.model_dump(mode="json", include={"version", "budget", "reading"})
     about |= {"tasks": list(manifest.tasks)} if manifest.tasks else {}
     head = json.dumps(about)[:-1]
     entries = ",\n".join(json.dumps(entry.model_dump(mode="json")) for entry in manifest.records)
@@ -165,36 +173,36 @@ def absolute(path: Path) -> Path:
     return Path(os.path.abspath(path))  # noqa: PTH100  (without following links, as resolve does)
 
 
-class Budgets:
-    """What the budgets of `config/` have, each listed once."""
+class Campaigns:
+    """What the budgets of `config/` have under its readings, each listed once."""
 
     def __init__(self) -> None:
         self._jobs = cache(records_of)
 
-    def jobs(self, budget: str | None) -> dict[str, Job]:
-        """The records of a budget, by path below its folder; none for one that is not known."""
-        return self._jobs(budget)
+    def jobs(self, campaign: str | None) -> dict[str, Job]:
+        """The records of a campaign, by path below its folder; none for one that is not known."""
+        return self._jobs(campaign)
 
-    def cells(self, budget: str | None) -> list[str]:
+    def cells(self, campaign: str | None) -> list[str]:
         """Those of its cells, its sensitivity study left out."""
-        return [name for name, job in self.jobs(budget).items() if job.part != SENSITIVITY]
+        return [name for name, job in self.jobs(campaign).items() if job.part != SENSITIVITY]
 
 
 class ManifestFolder:
     """A folder with a manifest, and what should lie in it."""
 
-    def __init__(self, folder: Path, budgets: Budgets) -> None:
+    def __init__(self, folder: Path, campaigns: Campaigns) -> None:
         self.folder = folder
         self.damage: str | None = None
         """What is wrong with the manifest itself; nothing else is then known."""
         self._manifest = Manifest(budget=None, records=())
-        self._budgets = budgets
+        self._campaigns = campaigns
         path = folder / NAME
         try:
             self._manifest = read_manifest(folder)
         except UserError as error:
             self.damage = str(error).removeprefix(f"{path}: ")
-        self.budget = self._manifest.budget
+        self.campaign = self._manifest.campaign
         self._entries = {entry.path: entry for entry in self._manifest.records}
 
     def problems(self, path: Path, content: bytes, record: Record) -> Iterator[str]:
@@ -224,31 +232,32 @@ class ManifestFolder:
                 yield self.folder / name, meaning
         for name in self._all_or_nothing():
             if name not in self._entries and self.folder / name not in there:
-                meaning = f"missing, and {NAME} leaves it out, but budget "
-                meaning += f"{self.budget} has it: dropped, or not yet run by then"
+                meaning = f"missing, and {NAME} leaves it out, but {self.campaign} "
+                meaning += "has it: dropped, or not yet run by then"
                 yield self.folder / name, meaning
 
     def _all_or_nothing(self) -> Iterator[str]:
         """The records that must be there: a sensitivity study may be left out as a whole."""
-        jobs, cells = self._budgets.jobs(self.budget), self._budgets.cells(self.budget)
+        jobs = self._campaigns.jobs(self.campaign)
+        cells = self._campaigns.cells(self.campaign)
         must = jobs if self._entries.keys() & (jobs.keys() - cells) else cells
         return (name for name in must if self._manifest.covers(jobs[name]))
 
     def _misplaced(self, record: Record, entry: ManifestEntry) -> Iterator[str]:
-        """Whether it is the record that its budget has in this place."""
-        jobs = self._budgets.jobs(self.budget)
-        if record.budget != self.budget:
-            yield f"of budget {record.budget}, its folder's is {self.budget}"
+        """Whether it is the record that its campaign has in this place."""
+        jobs = self._campaigns.jobs(self.campaign)
+        if record.campaign != self.campaign:
+            yield f"of {record.campaign}, its folder is of {self.campaign}"
         elif jobs:
             job = jobs.get(entry.path)
             if job is None:
-                yield f"budget {self.budget} has no record of this name"
+                yield f"{self.campaign} has no record of this name"
                 return
             if not self._manifest.covers(job):
                 tasks = ", ".join(self._manifest.tasks)
                 yield f"of task {job.spec.task.name}, {NAME} speaks for {tasks} alone"
             if difference := first_difference(record.spec.without_seed(), job.spec):
-                yield f"not what budget {self.budget} has here: {difference}"
+                yield f"not what {self.campaign} has here: {difference}"
             if entry.seeds != tuple(job.seeds):
                 there = f"{job.seeds[0]} to {job.seeds[-1]}"
                 yield f"holds seeds {list(entry.seeds)}, here belong {there}"
@@ -257,8 +266,8 @@ class ManifestFolder:
 class ManifestFolders:
     """The folders with a manifest at, above and below absolute paths, each read once."""
 
-    def __init__(self, budgets: Budgets) -> None:
-        self._folder = cache(partial(ManifestFolder, budgets=budgets))
+    def __init__(self, campaigns: Campaigns) -> None:
+        self._folder = cache(partial(ManifestFolder, campaigns=campaigns))
 
     def above(self, path: Path) -> ManifestFolder | None:
         """The nearest above a path."""
