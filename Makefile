@@ -11,7 +11,7 @@ ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report docs lab test bench lock clean FORCE
+.PHONY: help environment report docs lab test search bench lock clean FORCE
 .DELETE_ON_ERROR:
 
 help:
@@ -20,6 +20,7 @@ help:
 	@echo 'make docs                 the documentation as a site: build/site/index.html'
 	@echo 'make lab                  play: opens notebooks/explore.ipynb in JupyterLab'
 	@echo 'make test                 all checks and tests'
+	@echo 'make search              which readings of the paper make its baselines: many hours of runs (docs/readings-plan.md)'
 	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
 	@echo 'make environment          only set up $(VENV)'
 	@echo 'make lock                 resolve pyproject.toml into environment.lock anew'
@@ -49,6 +50,10 @@ test: $(READY)
 	$(RUN) pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
 # neat-python (the peer) and EnvPool are no dependencies of the library: they are installed here only.
+# In the order of config/search/candidates.yaml; what is done is not done again.
+search: $(READY)
+	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.search search | xargs --max-lines=1 snakemake'
+
 bench: $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	    --requirement benchmarks/requirements.lock

@@ -1,0 +1,87 @@
+"""The search for readings that make the paper's baselines: what is run, in which order.
+
+docs/readings-plan.md is its plan. `python -m neol.study.campaign.search search` prints the
+arguments of one call of snakemake for each reading, `... confirmation READING` those of some.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+
+from pydantic import TypeAdapter, ValidationError
+
+from neol.base.errors import UserError, hint, one_line
+from neol.network.rules import WITHOUT_RULE
+from neol.spec.configuration import CONFIG, load_configuration
+from neol.spec.sources import Overlay
+from neol.spec.types import Model, Text
+from neol.study.campaign.grid import Block, blocks
+
+CANDIDATES = CONFIG / "search" / "candidates.yaml"
+SCREENING, CONFIRMATION = "search", "confirmation"
+"""The budgets of its two stages."""
+BASELINES = tuple(WITHOUT_RULE)
+"""The methods that are compared with the paper's."""
+
+
+class Candidate(Model):
+    """A reading that is compared with the paper's baselines."""
+
+    neat_wo: Text | None = None
+    """The reading whose runs of NEAT (w/o) its own would repeat; None where it has its own."""
+
+
+def candidates() -> dict[str, Candidate]:
+    """The candidates by reading, in the order in which they are run.
+
+    Raises UserError for what the file may not state.
+    """
+    overlay = Overlay()
+    overlay.add_file(CANDIDATES)
+    kind = dict[str, Candidate]
+    try:
+        found = TypeAdapter(kind).validate_json(json.dumps(overlay.values))
+    except ValidationError as error:
+        raise UserError(one_line(error, kind, overlay.place)) from None
+    for name, candidate in found.items():
+        if candidate.neat_wo is not None and found.get(candidate.neat_wo) != Candidate():
+            place = overlay.place((name, "neat_wo"))
+            raise UserError(f"{place} = {candidate.neat_wo}: has no runs of NEAT (w/o) of its own")
+    return found
+
+
+def source(reading: str, method: str) -> str:
+    """The reading whose records are a candidate's runs of a baseline: its own, or the same ones.
+
+    Raises UserError for a reading that is no candidate.
+    """
+    known = candidates()
+    if reading not in known:
+        raise UserError(f'"{reading}" is no candidate of the search{hint(reading, known)}')
+    return (method == "neat_wo" and known[reading].neat_wo) or reading
+
+
+def baseline_blocks(reading: str, method: str, budget: str) -> list[Block]:
+    """The records of a candidate's runs of a baseline. Raises UserError as `source` does."""
+    configuration = load_configuration(budget, reading=source(reading, method))
+    return [block for block in blocks(configuration) if block.cell.method == method]
+
+
+def calls(budget: str, readings: Sequence[str]) -> list[str]:
+    """The arguments of the calls of snakemake that make the records of some candidates in turn."""
+    wanted: dict[str, dict[str, None]] = {}
+    for reading in readings:
+        for method in BASELINES:
+            records = wanted.setdefault(source(reading, method), {})
+            records |= {str(each.record): None for each in baseline_blocks(reading, method, budget)}
+    return [
+        f"{' '.join(records)} --config budget={budget} reading={reading}"
+        for reading, records in wanted.items()
+    ]
+
+
+if __name__ == "__main__":
+    try:
+        print(*calls(sys.argv[1], sys.argv[2:] or list(candidates())), sep="\n")
+    except UserError as error:
+        sys.exit(f"neol: {error}")
