@@ -64,9 +64,12 @@ bool Island::read(const b2TimeStep& step) {
     w *= b2Clamp(1.0f - h * part.m_angularDamping, 0.0f, 1.0f);
     state.velocity[i] = {v.x, v.y, w};
     initial_rotation_[i] = part.m_xf.q;
-    place_[i] = {part.m_sweep.c, part.m_sweep.a, part.m_xf.q, false};
-    if (!part.IsAwake() || !is_below(part.m_sweep.c.x, too_far) ||
-        !is_below(part.m_sweep.c.y, too_far) || !is_below(part.m_sweep.a, too_far) ||
+    const b2Vec2 &centre = part.m_sweep.c, &local_centre = part.m_sweep.localCenter;
+    const float angle = part.m_sweep.a;
+    place[i] = {centre.x, centre.y, angle, angle, part.m_xf.q.s, part.m_xf.q.c};
+    body_terms[i] = {local_centre.x, local_centre.y, part.m_invMass, part.m_invI};
+    if (!part.IsAwake() || !is_below(centre.x, too_far) || !is_below(centre.y, too_far) ||
+        !is_below(angle, too_far) ||
         !is_below(v.x, too_fast) || !is_below(v.y, too_fast) || !is_below(w, too_fast))
       return false;
   }
@@ -111,18 +114,18 @@ bool Island::read_contact(const b2TimeStep& step, b2Contact* contact, int index)
   contact_[contacts] = contact;
   contact_body[contacts] = index;
   ContactTerms<float>& terms = contact_terms[contacts];
-  ContactPlace& place = contact_place_[contacts];
+  ContactPlace<float>& face = contact_place[contacts];
   ContactImpulse<float>& impulse = state.contact[contacts];
   const Velocity<float>& velocity = state.velocity[index];
 
   b2Transform origin;
   origin.SetIdentity();
-  const b2Vec2 centre = place_[index].centre;
+  const b2Vec2 centre = part.m_sweep.c;
   const b2Transform pose = transform(centre, initial_rotation_[index], part.m_sweep.localCenter);
-  place.ground_radius = ground->GetShape()->m_radius;
-  place.part_radius = fixture->GetShape()->m_radius;
+  face.ground_radius = ground->GetShape()->m_radius;
+  face.part_radius = fixture->GetShape()->m_radius;
   b2WorldManifold manifold_there;
-  manifold_there.Initialize(&manifold, origin, place.ground_radius, pose, place.part_radius);
+  manifold_there.Initialize(&manifold, origin, face.ground_radius, pose, face.part_radius);
 
   const b2Vec2 normal = manifold_there.normal, along = b2Cross(normal, 1.0f);
   terms = {};
@@ -170,16 +173,21 @@ bool Island::read_contact(const b2TimeStep& step, b2Contact* contact, int index)
   }
   if (!terms.two) impulse.normal[1] = impulse.tangent[1] = 0;
 
-  place.face_is_ground = manifold.type == b2Manifold::e_faceA;
-  place.normal = manifold.localNormal;
-  place.plane = manifold.localPoint;
-  place.count = count;
-  for (int j = 0; j < count; ++j) place.points[j] = manifold.points[j].localPoint;
-  if (place.face_is_ground) {
-    place.normal = b2Mul(origin.q, place.normal);
-    place.plane = b2Mul(origin, place.plane);
-  } else {
-    for (int j = 0; j < count; ++j) place.points[j] = b2Mul(origin, place.points[j]);
+  // What is given in the ground's frame is given where it is.
+  const bool on_ground = manifold.type == b2Manifold::e_faceA;
+  face.face_is_ground = -on_ground;
+  face.second = -(count == 2);
+  b2Vec2 face_normal = manifold.localNormal, plane = manifold.localPoint;
+  if (on_ground) {
+    face_normal = b2Mul(origin.q, face_normal);
+    plane = b2Mul(origin, plane);
+  }
+  face.normal_x = face_normal.x, face.normal_y = face_normal.y;
+  face.plane_x = plane.x, face.plane_y = plane.y;
+  for (int j = 0; j < 2; ++j) {
+    b2Vec2 point = j < count ? manifold.points[j].localPoint : b2Vec2(0, 0);
+    if (!on_ground) point = b2Mul(origin, point);
+    face.x[j] = point.x, face.y[j] = point.y;
   }
   return true;
 }
@@ -188,10 +196,12 @@ bool Island::read_contact(const b2TimeStep& step, b2Contact* contact, int index)
 void Island::read_joint(const b2TimeStep& step, int index) {
   const b2RevoluteJoint& hinge_joint = *joint[index];
   const int a = body_a[index], b = body_b[index];
-  const b2Vec2 arm_a = b2Mul(initial_rotation_[a],
-                             hinge_joint.m_localAnchorA - hinge_joint.m_bodyA->m_sweep.localCenter);
-  const b2Vec2 arm_b = b2Mul(initial_rotation_[b],
-                             hinge_joint.m_localAnchorB - hinge_joint.m_bodyB->m_sweep.localCenter);
+  const b2Vec2 local_a =
+      hinge_joint.m_localAnchorA - hinge_joint.m_bodyA->m_sweep.localCenter;
+  const b2Vec2 local_b =
+      hinge_joint.m_localAnchorB - hinge_joint.m_bodyB->m_sweep.localCenter;
+  const b2Vec2 arm_a = b2Mul(initial_rotation_[a], local_a);
+  const b2Vec2 arm_b = b2Mul(initial_rotation_[b], local_b);
   const float mass_a = hinge_joint.m_bodyA->m_invMass, mass_b = hinge_joint.m_bodyB->m_invMass;
   const float inertia_a = hinge_joint.m_bodyA->m_invI, inertia_b = hinge_joint.m_bodyB->m_invI;
 
@@ -209,7 +219,7 @@ void Island::read_joint(const b2TimeStep& step, int index) {
   if (motor_mass > 0.0f) motor_mass = 1.0f / motor_mass;
 
   float limit_impulse = hinge_joint.m_impulse.z;
-  const float angle = place_[b].angle - place_[a].angle - hinge_joint.m_referenceAngle;
+  const float angle = place[b].angle - place[a].angle - hinge_joint.m_referenceAngle;
   const b2LimitState before = hinge_joint.m_limitState;
   b2LimitState& limit = limit_[index];
   limit = angle <= hinge_joint.m_lowerAngle   ? e_atLowerLimit
@@ -249,10 +259,19 @@ void Island::read_joint(const b2TimeStep& step, int index) {
   terms.inverse_det2 = det2, terms.inverse_det3 = det3;
   terms.at_lower = -(limit == e_atLowerLimit);
   terms.at_upper = -(limit == e_atUpperLimit);
+  hinge_place[index] = {local_a.x,
+                        local_a.y,
+                        local_b.x,
+                        local_b.y,
+                        hinge_joint.m_referenceAngle,
+                        hinge_joint.m_lowerAngle,
+                        hinge_joint.m_upperAngle,
+                        -motor_mass,
+                        terms.at_lower,
+                        terms.at_upper};
 }
 
-// The end of b2Island::Solve: integration, then position iterations until errors are small.
-void Island::move(const b2TimeStep& step) {
+void Island::integrate(const b2TimeStep& step) {
   const float h = step.dt;
   for (int i = 0; i < bodies; ++i) {
     Velocity<float>& velocity = state.velocity[i];
@@ -263,98 +282,11 @@ void Island::move(const b2TimeStep& step) {
       v *= b2_maxTranslation / translation.Length();
     const float rotation = h * w;
     if (rotation * rotation > b2_maxRotationSquared) w *= b2_maxRotation / b2Abs(rotation);
-    place_[i].centre += h * v;
-    place_[i].turn_to(place_[i].angle + h * w);
+    place[i].x += h * v.x;
+    place[i].y += h * v.y;
+    place[i].angle += h * w;
     velocity = {v.x, v.y, w};
   }
-  resolved_ = false;
-  for (int i = 0; i < step.positionIterations && !resolved_; ++i) {
-    const bool contacts_resolved = solve_contact_places();
-    resolved_ = solve_joint_places() && contacts_resolved;
-  }
-}
-
-// b2ContactSolver::SolvePositionConstraints.
-bool Island::solve_contact_places() {
-  float nearest = 0.0f;
-  for (int i = 0; i < contacts; ++i) {
-    const ContactPlace& contact = contact_place_[i];
-    const b2Body& part = *body[contact_body[i]];
-    Place& place = place_[contact_body[i]];
-    for (int j = 0; j < contact.count; ++j) {
-      const b2Transform pose = transform(place.centre, place.rotated(), part.m_sweep.localCenter);
-      b2Vec2 normal = contact.normal, plane = contact.plane, point = contact.points[j];
-      if (contact.face_is_ground) {
-        point = b2Mul(pose, point);
-      } else {
-        normal = b2Mul(pose.q, normal);
-        plane = b2Mul(pose, plane);
-      }
-      const float separation =
-          b2Dot(point - plane, normal) - contact.ground_radius - contact.part_radius;
-      if (!contact.face_is_ground) normal = -normal;
-      const b2Vec2 arm = point - place.centre;
-      nearest = b2Min(nearest, separation);
-      const float error = b2Clamp(b2_baumgarte * (separation + b2_linearSlop),
-                                  -b2_maxLinearCorrection, 0.0f);
-      const float across = b2Cross(arm, normal);
-      const float k = part.m_invMass + part.m_invI * across * across;
-      const float impulse = k > 0.0f ? -error / k : 0.0f;
-      const b2Vec2 push = impulse * normal;
-      place.centre += part.m_invMass * push;
-      place.turn_to(place.angle + part.m_invI * b2Cross(arm, push));
-    }
-  }
-  return nearest >= -3.0f * b2_linearSlop;
-}
-
-// b2RevoluteJoint::SolvePositionConstraints, of each joint.
-bool Island::solve_joint_places() {
-  bool resolved = true;
-  for (int i = 0; i < joints; ++i) {
-    const b2RevoluteJoint& hinge_joint = *joint[i];
-    const JointTerms<float>& terms = joint_terms[i];
-    const b2Body &part_a = *hinge_joint.m_bodyA, &part_b = *hinge_joint.m_bodyB;
-    Place &a = place_[body_a[i]], &b = place_[body_b[i]];
-
-    float angular_error = 0.0f;
-    if (limit_[i] != e_inactiveLimit) {
-      const float angle = b.angle - a.angle - hinge_joint.m_referenceAngle;
-      float error;
-      if (limit_[i] == e_atLowerLimit) {
-        error = angle - hinge_joint.m_lowerAngle;
-        angular_error = -error;
-        error = b2Clamp(error + b2_angularSlop, -b2_maxAngularCorrection, 0.0f);
-      } else {
-        error = angle - hinge_joint.m_upperAngle;
-        angular_error = error;
-        error = b2Clamp(error - b2_angularSlop, 0.0f, b2_maxAngularCorrection);
-      }
-      const float impulse = terms.minus_motor_mass * error;
-      a.turn_to(a.angle - terms.inertia_a * impulse);
-      b.turn_to(b.angle + terms.inertia_b * impulse);
-    }
-
-    const b2Vec2 arm_a =
-        b2Mul(a.rotated(), hinge_joint.m_localAnchorA - part_a.m_sweep.localCenter);
-    const b2Vec2 arm_b =
-        b2Mul(b.rotated(), hinge_joint.m_localAnchorB - part_b.m_sweep.localCenter);
-    const b2Vec2 gap = b.centre + arm_b - a.centre - arm_a;
-    const float mass_a = terms.mass_a, mass_b = terms.mass_b;
-    const float inertia_a = terms.inertia_a, inertia_b = terms.inertia_b;
-    b2Mat22 k;
-    k.ex.x = mass_a + mass_b + inertia_a * arm_a.y * arm_a.y + inertia_b * arm_b.y * arm_b.y;
-    k.ex.y = -inertia_a * arm_a.x * arm_a.y - inertia_b * arm_b.x * arm_b.y;
-    k.ey.x = k.ex.y;
-    k.ey.y = mass_a + mass_b + inertia_a * arm_a.x * arm_a.x + inertia_b * arm_b.x * arm_b.x;
-    const b2Vec2 impulse = -k.Solve(gap);
-    a.centre -= mass_a * impulse;
-    a.turn_to(a.angle - inertia_a * b2Cross(arm_a, impulse));
-    b.centre += mass_b * impulse;
-    b.turn_to(b.angle + inertia_b * b2Cross(arm_b, impulse));
-    resolved &= gap.Length() <= b2_linearSlop && angular_error <= b2_angularSlop;
-  }
-  return resolved;
 }
 
 bool Island::is_finite() const {
@@ -362,8 +294,8 @@ bool Island::is_finite() const {
   for (int i = 0; i < bodies; ++i) {
     const Velocity<float>& velocity = state.velocity[i];
     finite &= std::isfinite(velocity.x) && std::isfinite(velocity.y) &&
-              std::isfinite(velocity.turn) && place_[i].centre.IsValid() &&
-              std::isfinite(place_[i].angle);
+              std::isfinite(velocity.turn) && std::isfinite(place[i].x) &&
+              std::isfinite(place[i].y) && std::isfinite(place[i].angle);
   }
   return finite;
 }
@@ -384,9 +316,12 @@ void Island::write(const b2TimeStep& step) {
     b2Body& part = *body[i];
     part.m_sweep.c0 = part.m_sweep.c;
     part.m_sweep.a0 = part.m_sweep.a;
-    part.m_sweep.c = place_[i].centre;
-    part.m_sweep.a = place_[i].angle;
-    part.m_xf = transform(place_[i].centre, place_[i].rotated(), part.m_sweep.localCenter);
+    part.m_sweep.c = {place[i].x, place[i].y};
+    part.m_sweep.a = place[i].angle;
+    b2Rot rotation;
+    rotation.s = place[i].sine;
+    rotation.c = place[i].cosine;
+    part.m_xf = transform(part.m_sweep.c, rotation, part.m_sweep.localCenter);
     const Velocity<float>& velocity = state.velocity[i];
     part.m_linearVelocity = {velocity.x, velocity.y};
     part.m_angularVelocity = velocity.turn;
@@ -398,7 +333,7 @@ void Island::write(const b2TimeStep& step) {
       part.m_sleepTime += step.dt;
     resting = b2Min(resting, part.m_sleepTime);
   }
-  if (resting >= b2_timeToSleep && resolved_)
+  if (resting >= b2_timeToSleep && resolved)
     for (int i = 0; i < bodies; ++i) body[i]->SetAwake(false);
 }
 

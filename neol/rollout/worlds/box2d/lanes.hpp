@@ -1,24 +1,31 @@
-// The velocity iterations of several worlds of a task at once, in the lanes of vectors; once for
-// each kind of vector that the build can make (LANES in library.py). All of them give the bits of
-// `iterate` in shortcut.hpp.
+// The iterations of several worlds of a task at once, in the lanes of vectors; once for each kind of
+// vector that the build can make (LANES in library.py). All of them give the bits of shortcut.hpp.
 #pragma once
 
-#include "velocity.hpp"
+#include "constraints.hpp"
 
 namespace neol {
 
 // A body with more contacts than this is too rare to have its place in each group of lanes.
 constexpr int contact_slots = 6;
 
-#define NEOL_DECLARE_LANES(kind)                                                      \
-  namespace kind {                                                                    \
-  extern const int width; /* how many worlds a vector holds */                        \
-  void iterate(Constraints* const* islands, int count, int iterations);               \
-  }
+// A kind of vector.
+struct Lanes {
+  int width;  // how many worlds it holds
+  void (*solve_velocities)(Constraints* const* islands, int count, int iterations);
 
-NEOL_DECLARE_LANES(sse2)
-NEOL_DECLARE_LANES(avx2)
-NEOL_DECLARE_LANES(avx512)
-NEOL_DECLARE_LANES(neon)
+  // Makes up to `iterations` position iterations and notes for each island how many are left to do:
+  // `left` where errors are not small by then, else none. Where an angle was too large for `sines`
+  // nothing is changed or noted. Null where there are no sines.
+  void (*solve_places)(Constraints* const* islands, int count, int iterations, int left,
+                       int* iterations_left);
+
+  // The sines and cosines of `count` angles, a multiple of the width, below `sines_end`: those of
+  // one version of the C library.
+  void (*sines)(const float* angles, float* sines, float* cosines, int count);
+};
+constexpr float sines_end = 120;
+
+extern const Lanes sse2, avx2, avx512, neon;
 
 }  // namespace neol

@@ -22,7 +22,7 @@ FLAGS = (
 LANES = {
     "x86_64": (
         ("-DNEOL_LANES=sse2",),
-        ("-DNEOL_LANES=avx2", "-mavx2"),
+        ("-DNEOL_LANES=avx2", "-mavx2", "-mfma"),
         ("-DNEOL_LANES=avx512", "-mavx512f", "-mavx512vl", "-mavx512dq"),
     ),
     "aarch64": (("-DNEOL_LANES=neon",),),

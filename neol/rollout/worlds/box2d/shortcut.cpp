@@ -1,5 +1,7 @@
 #include "shortcut.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <vector>
@@ -9,7 +11,7 @@ namespace neol {
 namespace {
 
 template <class Parts>
-void iterate_parts(Constraints& island, int iterations) {
+void solve_velocities_of(Constraints& island, int iterations) {
   Constraints::State& state = island.state;
   const auto iterate_once = [&](HingeImpulse<float>* changes) {
     for (int i = 0; i < Parts::joints; ++i) {
@@ -59,13 +61,65 @@ void iterate_parts(Constraints& island, int iterations) {
   }
 }
 
+// Sines are computed where the angle has changed.
+void rotate(Place<float>& place) {
+  if (std::memcmp(&place.turned, &place.angle, sizeof place.angle) == 0) return;
+  place.turned = place.angle;
+  place.sine = std::sin(place.angle);
+  place.cosine = std::cos(place.angle);
+}
+
+bool iterate_places(Constraints& island) {
+  constexpr int active = -1;
+  float nearest = 0;
+  for (int i = 0; i < island.contacts; ++i) {
+    const int body = island.contact_body[i];
+    const ContactPlace<float>& contact = island.contact_place[i];
+    for (int j = 0; j < (contact.second ? 2 : 1); ++j)
+      solve_contact_point(contact, j, island.body_terms[body], active, nearest, island.place[body],
+                          rotate);
+  }
+  bool resolved = nearest >= least_separation;
+  for (int i = 0; i < island.joints; ++i) {
+    const int a = island.body_a[i], b = island.body_b[i];
+    const HingePlace<float>& hinge = island.hinge_place[i];
+    resolved &= 0 != solve_hinge_place(hinge, island.body_terms[a], island.body_terms[b],
+                                       hinge.at_lower | hinge.at_upper, active, island.place[a],
+                                       island.place[b], rotate);
+  }
+  return resolved;
+}
+
 }  // namespace
 
-void iterate(Constraints& island, int iterations) {
+void solve_velocities(Constraints& island, int iterations) {
   if (island.joints == LunarLanderParts::joints)
-    iterate_parts<LunarLanderParts>(island, iterations);
+    solve_velocities_of<LunarLanderParts>(island, iterations);
   else
-    iterate_parts<BipedalWalkerParts>(island, iterations);
+    solve_velocities_of<BipedalWalkerParts>(island, iterations);
+}
+
+void solve_places(Constraints& island, int iterations) {
+  const auto is_same = [](const Place<float>& a, const Place<float>& b) {
+    return std::memcmp(&a, &b, offsetof(Place<float>, turned)) == 0;
+  };
+  Place<float> saved[max_bodies];
+  int saved_at = 0;
+  SavePoints save_points;
+  island.resolved = false;
+  for (int done = 1; done <= iterations && !island.resolved; ++done) {
+    island.resolved = iterate_places(island);
+    if (saved_at > 0 && std::equal(saved, saved + island.bodies, island.place, is_same)) {
+      for (int rest = (iterations - done) % (done - saved_at); rest > 0; --rest)
+        iterate_places(island);
+      break;
+    }
+    if (save_points.is_due(done)) {
+      std::copy(island.place, island.place + island.bodies, saved);
+      saved_at = done;
+    }
+  }
+  std::for_each(island.place, island.place + island.bodies, rotate);
 }
 
 }  // namespace neol

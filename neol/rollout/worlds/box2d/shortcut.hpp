@@ -1,7 +1,10 @@
-// Iterations that have begun to repeat are not made.
+// The iterations of one world, those that only repeat left out. An iteration is a function of the
+// numbers that it reads and changes; when these have come back, bit for bit, to what they once
+// were, all that followed then will follow again, and only the remainder of the last round is left
+// to do.
 #pragma once
 
-#include "velocity.hpp"
+#include "constraints.hpp"
 
 namespace neol {
 
@@ -20,9 +23,11 @@ class SavePoints {
   int next_ = 1;
 };
 
-// The velocity iterations of one world, until they repeat: the state of all that they read has then
-// come back, bit for bit, so what they did since will recur. Only the impulses of hinges go on
-// adding up, and those additions are made, each in its turn.
-void iterate(Constraints& island, int iterations);
+// The impulses of hinges are not read by the velocity iterations, they only add up: these additions
+// are made, each in its turn.
+void solve_velocities(Constraints& island, int iterations);
+
+// Position iterations, until errors are small.
+void solve_places(Constraints& island, int iterations);
 
 }  // namespace neol

@@ -114,7 +114,6 @@ bool TimeStep::begin(float seconds, int velocity_iterations, int position_iterat
 }
 
 void TimeStep::finish() {
-  if (ordinary_) island.move(step_);
   if (ordinary_ && island.is_finite()) {
     island.write(step_);
     synchronize_fixtures();

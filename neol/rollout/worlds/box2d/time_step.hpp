@@ -1,5 +1,5 @@
-// A world's time step, b2World::Step, in two halves: what comes before the velocity iterations of
-// its island, and what comes after. It is taken as Box2D takes it, but for three things: the
+// A world's time step, b2World::Step, in parts, between which the iterations of its island's
+// solution are made. It is taken as Box2D takes it, but for three things: the
 // island's solver is ours (island.hpp), nothing walks over the bodies of the ground, of which there
 // are two hundred, and iterations that only repeat are not made.
 //
@@ -16,9 +16,13 @@ class TimeStep {
   // A new world: its moving parts come first in the list of its bodies, then the ground.
   void attach(b2World* world);
 
-  // Up to the velocity iterations. Whether they are to be made in `island`: else `finish` leaves
-  // all of the solving to Box2D.
+  // Up to the velocity iterations. Whether these and what follows are to be made in `island`: else
+  // `finish` leaves all of the solving to Box2D.
   bool begin(float seconds, int velocity_iterations, int position_iterations);
+
+  // From the velocity iterations to the position iterations.
+  void integrate() { island.integrate(step_); }
+
   void finish();
 
   // Box2D itself has taken a step, which leaves times of impact with the ground.

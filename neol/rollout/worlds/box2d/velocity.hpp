@@ -26,21 +26,6 @@ struct MaskOf<float> {
 template <class Real>
 using Mask = typename MaskOf<Real>::Type;
 
-// The order of bodies and joints in an island: Box2D's, which follows from how they were created.
-// Joint i turns body_b[i] against body_a[i].
-struct LunarLanderParts {
-  static constexpr int bodies = 3, joints = 2;  // leg, lander, leg
-  static constexpr int body_a[] = {1, 1}, body_b[] = {0, 2};
-};
-struct BipedalWalkerParts {
-  static constexpr int bodies = 5, joints = 4;  // lower leg, upper leg, hull, upper leg, lower leg
-  static constexpr int body_a[] = {1, 2, 2, 3}, body_b[] = {0, 1, 3, 4};
-};
-
-// The most that an island can have: of bodies and joints the tasks have no more, and with more
-// contacts it would be out of the ordinary.
-constexpr int max_bodies = 5, max_joints = 4, max_contacts = 24;
-
 template <class Real>
 struct Velocity {
   Real x, y, turn;
@@ -88,22 +73,6 @@ struct ContactTerms {
 template <class Real>
 struct ContactImpulse {
   Real normal[2], tangent[2];
-};
-
-// All of one island, contacts in the order of their bodies.
-struct Constraints {
-  // What iterations read and change: from equal states they go on equally.
-  struct State {
-    Velocity<float> velocity[max_bodies];
-    JointImpulse<float> joint[max_joints];
-    ContactImpulse<float> contact[max_contacts];
-  };
-  State state;
-  HingeImpulse<float> hinge[max_joints];
-  JointTerms<float> joint_terms[max_joints];
-  ContactTerms<float> contact_terms[max_contacts];
-  int contact_body[max_contacts];
-  int bodies = 0, joints = 0, contacts = 0;
 };
 
 template <class Real>
