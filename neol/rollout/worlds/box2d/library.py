@@ -23,7 +23,7 @@ LANES = {
     "x86_64": (
         ("-DNEOL_LANES=sse2",),
         ("-DNEOL_LANES=avx2", "-mavx2", "-mfma"),
-        ("-DNEOL_LANES=avx512", "-mavx512f", "-mavx512vl", "-mavx512dq"),
+        ("-DNEOL_LANES=avx512", "-mfma", "-mavx512f", "-mavx512vl", "-mavx512dq"),
     ),
     "aarch64": (("-DNEOL_LANES=neon",),),
 }.get({"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine()), ())

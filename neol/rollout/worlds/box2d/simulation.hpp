@@ -47,9 +47,19 @@ class Simulation {
  public:
   virtual ~Simulation() = default;
 
-  // Starts an episode and, as Gymnasium does, takes an idle step. The world is a new one, so
-  // nothing of an earlier episode reaches this one.
+  // Starts an episode and, as Gymnasium does, takes an idle step.
   void reset(const Pcg64& stream, double* observation) {
+    begin(stream);
+    act(idle);
+    time_step.take(seconds, velocity_iterations, position_iterations);
+    sense();
+    double reward;
+    observe(idle, observation, &reward);
+  }
+
+  // The start without the step. The world is a new one, so nothing of an earlier episode reaches
+  // this one.
+  void begin(const Pcg64& stream) {
     world = std::make_unique<b2World>(Point{0, -10});
     world->SetContactListener(&(contacts = {}));
     previous_shaping.reset();
@@ -57,9 +67,6 @@ class Simulation {
     build();
     time_step.attach(world.get());
     failed = false;
-    constexpr float idle[4] = {};
-    double reward;
-    step(idle, observation, &reward);
   }
 
   // Takes a step: whether the episode has terminated.
@@ -85,6 +92,7 @@ class Simulation {
   // Forgets a world in which Box2D has failed an assertion: its destructor would fail another.
   void abandon() { static_cast<void>(world.release()); }
 
+  static constexpr float idle[4] = {};  // an action
   static constexpr float seconds = static_cast<float>(1 / frames_per_second);
   static constexpr int position_iterations = 2 * 30;
   int velocity_iterations = 6 * 30;

@@ -4,8 +4,7 @@
 #include <Box2D/Dynamics/Contacts/b2ContactSolver.h>
 #include <Box2D/Dynamics/b2Island.h>
 
-#include <utility>
-#include <vector>
+#include <cstring>
 
 #include "shortcut.hpp"
 
@@ -15,33 +14,40 @@ namespace {
 
 bool is_static(const b2Body* body) { return body->GetType() == b2_staticBody; }
 
-// The velocity iterations of an impact: without joints, so all that they change is compared.
+// The velocity iterations of an impact, those that only repeat left out as in shortcut.hpp: without
+// joints, so all that they change is compared.
 void iterate_impact(b2Island& island, b2ContactSolver& solver, int iterations) {
-  const auto state = [&] {
-    std::vector<float> numbers;
-    numbers.reserve(256);
-    for (int i = 0; i < island.m_bodyCount; ++i) {
-      const b2Velocity& velocity = island.m_velocities[i];
-      numbers.insert(numbers.end(), {velocity.v.x, velocity.v.y, velocity.w});
-    }
-    for (int i = 0; i < island.m_contactCount; ++i)
-      for (const b2VelocityConstraintPoint& point : solver.m_velocityConstraints[i].points)
-        numbers.insert(numbers.end(), {point.normalImpulse, point.tangentImpulse});
-    return numbers;
+  struct Impulses {
+    float normal[b2_maxManifoldPoints], tangent[b2_maxManifoldPoints];
   };
-  std::vector<float> saved = state();
+  const auto impulses = [&](int contact) {
+    const auto& points = solver.m_velocityConstraints[contact].points;
+    return Impulses{{points[0].normalImpulse, points[1].normalImpulse},
+                    {points[0].tangentImpulse, points[1].tangentImpulse}};
+  };
+  b2Velocity velocities[2 * b2_maxTOIContacts];
+  Impulses saved[b2_maxTOIContacts];
+  const std::size_t size = static_cast<std::size_t>(island.m_bodyCount) * sizeof velocities[0];
+  const auto has_come_back = [&] {
+    if (std::memcmp(velocities, island.m_velocities, size) != 0) return false;
+    for (int i = 0; i < island.m_contactCount; ++i) {
+      const Impulses now = impulses(i);
+      if (std::memcmp(&now, &saved[i], sizeof now) != 0) return false;
+    }
+    return true;
+  };
   int saved_at = 0;
   SavePoints save_points;
   for (int done = 1; done <= iterations; ++done) {
     solver.SolveVelocityConstraints();
-    std::vector<float> now = state();
-    if (std::memcmp(now.data(), saved.data(), now.size() * sizeof(float)) == 0) {
+    if (saved_at > 0 && has_come_back()) {
       for (int rest = (iterations - done) % (done - saved_at); rest > 0; --rest)
         solver.SolveVelocityConstraints();
       return;
     }
     if (save_points.is_due(done)) {
-      saved = std::move(now);
+      std::memcpy(velocities, island.m_velocities, size);
+      for (int i = 0; i < island.m_contactCount; ++i) saved[i] = impulses(i);
       saved_at = done;
     }
   }
@@ -99,7 +105,7 @@ void TimeStep::attach(b2World* world) {
 
 bool TimeStep::begin(float seconds, int velocity_iterations, int position_iterations) {
   if (world_->m_flags & b2World::e_newFixture) {
-    world_->m_contactManager.FindNewContacts();
+    find_first_contacts();
     world_->m_flags &= ~b2World::e_newFixture;
   }
   world_->m_flags |= b2World::e_locked;
@@ -111,6 +117,26 @@ bool TimeStep::begin(float seconds, int velocity_iterations, int position_iterat
   step_.warmStarting = true;
   world_->m_contactManager.Collide();
   return ordinary_ = island.read(step_);
+}
+
+// Of the ground's pieces none asks for its neighbours: they would not touch each other.
+void TimeStep::find_first_contacts() {
+  b2BroadPhase& broad_phase = world_->m_contactManager.m_broadPhase;
+  for (int i = 0; i < broad_phase.m_moveCount; ++i) {
+    int32& moved = broad_phase.m_moveBuffer[i];
+    const auto* proxy = static_cast<b2FixtureProxy*>(broad_phase.GetUserData(moved));
+    if (is_static(proxy->fixture->m_body)) moved = b2BroadPhase::e_nullProxy;
+  }
+  world_->m_contactManager.FindNewContacts();
+}
+
+void TimeStep::take(float seconds, int velocity_iterations, int position_iterations) {
+  if (begin(seconds, velocity_iterations, position_iterations)) {
+    solve_velocities(island, velocity_iterations);
+    integrate();
+    solve_places(island, position_iterations);
+  }
+  finish();
 }
 
 void TimeStep::finish() {

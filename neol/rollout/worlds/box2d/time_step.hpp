@@ -25,12 +25,16 @@ class TimeStep {
 
   void finish();
 
+  // All of it, in this world alone.
+  void take(float seconds, int velocity_iterations, int position_iterations);
+
   // Box2D itself has taken a step, which leaves times of impact with the ground.
   void note_plain_step() { ground_is_reset_ = false; }
 
   Island island;
 
  private:
+  void find_first_contacts();
   void synchronize_fixtures();
   void solve_impacts();
   bool update_impact(b2Contact* contact);

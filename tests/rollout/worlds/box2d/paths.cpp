@@ -105,7 +105,12 @@ class Pair {
     std::normal_distribution<double> normal(0, std::bernoulli_distribution(0.3)(random) ? 3 : 1);
     for (double& weight : weights) weight = normal(random);
     tested->reset(neol::Pcg64(stream), observation);
-    plain->reset(neol::Pcg64(stream), observation);
+    plain->begin(neol::Pcg64(stream));
+    plain->advance(plain->idle);
+    double reward, expected[24] = {};
+    plain->observe(plain->idle, expected, &reward);
+    for (int i = 0; i < 24; ++i)
+      if (!same(observation[i], expected[i])) std::printf("a reset differs\n"), std::exit(1);
     steps_left = std::uniform_int_distribution(50, 700)(random);
   }
 
