@@ -7,6 +7,7 @@ counters as JSON, and a digest over all of it.
 import hashlib
 import io
 import json
+from copy import copy
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,6 @@ from neol.neat.check import check_genome
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
-from neol.neat.reproduction import Reproduction
 from neol.neat.species import Species, SpeciesSet
 from neol.run.evolution import COLUMNS, Evolution, Generation
 from neol.spec.run_spec import RunSpec
@@ -43,15 +43,12 @@ class Cost:
 def snapshot(evolution: Evolution) -> Evolution:
     """The run as it is between two generations; its further steps do not touch the copy.
 
-    The population is shared: once evaluated and speciated nobody writes to it.
+    The population and the innovations are shared: nobody writes to them any more.
     """
-    done, species_set = evolution.reproduction, evolution.species_set
-    reproduction = Reproduction(done.inputs, done.outputs, done.neat)
-    reproduction.next_genome = done.next_genome
-    reproduction.innovations = done.innovations.next_generation(0)
+    species_set = evolution.species_set
     return replace(
         evolution,
-        reproduction=reproduction,
+        reproduction=copy(evolution.reproduction),
         species_set=SpeciesSet([replace(s) for s in species_set.species], species_set.next_id),
         history=list(evolution.history),
     )

@@ -151,8 +151,7 @@ class Evolution:
     ) -> Generation:
         fitness = self.population.fitness
         best = int(np.argmax(fitness))
-        nodes = np.diff(networks.node_offset)
-        connections = np.diff(networks.edge_bounds)
+        nodes, connections = networks.node_offset, networks.edge_bounds
         change = np.abs(learned - networks.weight)
         before = self.history[-1] if self.history else None
         return Generation(
@@ -163,10 +162,10 @@ class Evolution:
             evaluations=len(fitness) + (before.evaluations if before else 0),
             env_steps=int(rollouts.steps.sum()) + (before.env_steps if before else 0),
             species=len(self.species_set.species),
-            nodes_mean=float(nodes.mean()),
-            connections_mean=float(connections.mean()),
-            nodes_best=int(nodes[best]),
-            connections_best=int(connections[best]),
+            nodes_mean=int(nodes[-1]) / len(fitness),
+            connections_mean=int(connections[-1]) / len(fitness),
+            nodes_best=int(nodes[best + 1] - nodes[best]),
+            connections_best=int(connections[best + 1] - connections[best]),
             weight_change_mean=float(change.mean()) if len(change) else 0.0,
             failed_evaluations=int(rollouts.failed.sum())
             + (before.failed_evaluations if before else 0),
@@ -184,6 +183,8 @@ def finite_fitness(rollouts: Rollouts, fallback: float) -> npt.NDArray[np.float6
     failed there is nothing to be below, and all get `fallback`.
     """
     fitness: npt.NDArray[np.float64] = rollouts.returns.mean(axis=1)
+    if not rollouts.failed.any():
+        return fitness
     if rollouts.failed.all():
         return np.full_like(fitness, fallback)
     lowest = fitness[~rollouts.failed].min()
@@ -192,6 +193,8 @@ def finite_fitness(rollouts: Rollouts, fallback: float) -> npt.NDArray[np.float6
 
 def keep_inherited_where_failed(networks: Networks, rollouts: Rollouts) -> npt.NDArray[np.float64]:
     """The learned weights, float64[E], but for failed networks those that they began with."""
+    if not rollouts.failed.any():
+        return rollouts.weight
     failed = np.repeat(rollouts.failed, np.diff(networks.edge_bounds))
     return np.where(failed, networks.weight, rollouts.weight)
 

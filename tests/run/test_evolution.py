@@ -64,6 +64,11 @@ def test_statistics_add_up() -> None:
     # CartPole pays 1 a step, so steps are N * P * mean fitness
     assert steps.tolist() == [round(2 * 8 * row.mean_fitness) for row in evolution.history]
     assert last.species == len(evolution.species_set.species)
+    nodes = [len(genome.nodes) for genome in evolution.population]
+    connections = [int(genome.connections["enabled"].sum()) for genome in evolution.population]
+    assert (last.nodes_mean, last.connections_mean) == (np.mean(nodes), np.mean(connections))
+    best = int(fitness.argmax())
+    assert (last.nodes_best, last.connections_best) == (nodes[best], connections[best])
     assert last.weight_change_mean > 0.0
 
 
