@@ -37,28 +37,28 @@ wildcard_constraints:
 rule all:
     input:
         list(BLOCKS),
-        made_by(*NOTEBOOKS),
+        made(),
         REPORT,
 
 
 rule tables:
     input:
-        made_by("tables", "efficiency", "ablation"),
+        made("tables"),
 
 
 rule figures:
     input:
-        made_by("convergence", "heatmaps"),
+        made("figures"),
 
 
 rule claims:
     input:
-        made_by("claims"),
+        made("claims"),
 
 
 rule beyond:
     input:
-        made_by("beyond"),
+        made("beyond"),
 
 
 rule records:
@@ -99,18 +99,17 @@ rule kept:
         record=KEPT,
 
 
-for notebook, (made, records, modules) in NOTEBOOKS.items():
+# A notebook makes the tables and figures that name it in neol/study/workflow/exhibits.py.
+for notebook, together in by_notebook(exhibits(CONFIGURATION.budget)).items():
 
     rule:
         name:
             f"{notebook}_notebook"
         input:
+            **inputs(together),
             notebook=f"notebooks/{notebook}.ipynb",
-            code=modules,
-            paper=sorted(glob("paper/reference/*.csv")),
-            records=records,
         output:
-            [captioned(path) for path in made],
+            [captioned(path, each) for each in together for path in files(each)],
             notebook=f"build/{PLACE}/{notebook}.ipynb",
             page=f"build/{PLACE}/{notebook}.html",
         log:

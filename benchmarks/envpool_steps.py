@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 import numpy.typing as npt
+from neol.constants import Task
 
 from benchmarks.measure import Measurement, Values
 from benchmarks.trajectories import Recording
-from neol.constants import Task
 from neol.network import Networks
 
 Array = npt.NDArray[np.float64]

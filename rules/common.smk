@@ -5,13 +5,13 @@ import sys
 from glob import glob
 from pathlib import Path
 
-from neol.study.outcomes.chosen_cells import candidates
-from neol.study.campaign.exhibits import BEYOND, heatmaps_of
-from neol.study.campaign.grid import blocks
-from neol.study.campaign.cost import walltime_minutes
 from neol.base.errors import UserError
-from neol.study.campaign.jobs import jobs
 from neol.run.workspace import remove_if_complete
+from neol.spec.configuration import budgets
+from neol.spec.readings import with_changes
+from neol.study.campaign.cost import walltime_minutes
+from neol.study.campaign.grid import blocks
+from neol.study.campaign.jobs import jobs
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
     SHOWN_READING,
@@ -20,21 +20,8 @@ from neol.study.campaign.shown import (
     label,
     select,
 )
-from neol.spec.configuration import budgets
-from neol.spec.readings import with_changes
-from neol.study.campaign.snakemake import clear_stale_locks, pattern
-
-TABLE, FIGURE = ("tex", "csv", "json"), ("pdf", "png", "json")
-CATEGORIES = {
-    "table": "Tables",
-    "figure": "Figures",
-    "claims": "Claims",
-    "beyond": "Beyond the paper",
-}
-ANALYSIS, DRAWING = ("outcomes", "claims", "output", "tables"), (
-    "study/figures",
-    "pictures",
-)
+from neol.study.workflow.exhibits import by_notebook, exhibits, records
+from neol.study.workflow.snakemake import clear_stale_locks, pattern
 
 # The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
 # `snakemake --lint` asks of each rule.
@@ -103,44 +90,55 @@ def run_minutes(wildcards):
     return walltime_minutes(this.spec, len(this.seeds))
 
 
-def shown(*settings):
-    """The records that tables of some settings choose among; of all cells without any."""
-    cells = {
-        cell
-        for setting in settings
-        for among in candidates(CONFIGURATION, setting).values()
-        for cell in among
-    }
+def python(*folders):
+    """The files of code in some folders of neol/."""
+    return sorted(path for folder in folders for path in glob(f"neol/{folder}/*.py"))
+
+
+# What results stand on: which runs there are, how a record is read, what each run came to. Not what makes a run: where
+# a change there matters, records change. Figures also stand on what draws, so a change of drawing makes no table anew.
+RESULT_CODE = python("spec", "study/campaign", "study/outcomes") + [
+    "neol/run/record.py",
+    "neol/run/record_file.py",
+    "neol/pictures/labels.py",
+]
+TABLE_CODE = RESULT_CODE + python("study/output", "study/tables", "study/claims")
+FIGURE_CODE = sorted({*TABLE_CODE, *python("pictures", "study/figures")})
+
+
+def files(exhibit):
+    """The files of a table or figure."""
+    return [f"{FIGURES}/{exhibit.name}.{suffix}" for suffix in exhibit.group.suffixes]
+
+
+def made(*targets):
+    """The files of some targets, or of all tables and figures."""
     return [
-        path for path, block in BLOCKS.items() if block.cell in cells or not settings
+        path
+        for each in exhibits(CONFIGURATION.budget, *targets)
+        for path in files(each)
     ]
 
 
-def outputs(kinds, *names):
-    """The files of some tables or figures."""
-    return expand(f"{FIGURES}/{{name}}.{{kind}}", name=names, kind=kinds)
+def inputs(together):
+    """What tables and figures of one notebook depend on, beside the notebook."""
+    drawn = any("png" in each.group.suffixes for each in together)
+    also = [path for each in together for path in glob(each.files or "")]
+    read = {path for each in together for path in records(CONFIGURATION, each.reads)}
+    return {
+        "code": FIGURE_CODE if drawn else TABLE_CODE,
+        "paper": sorted(glob("paper/reference/*.csv")),
+        "also": sorted(also),
+        "records": sorted(map(str, read)),
+    }
 
 
-def with_imports(*files):
-    """Some files of code and those that they import: which cells there are, what a record holds.
-
-    Not what these stand on, which is all that makes a run.
-    """
-    text = "\n".join(Path(file).read_text(encoding="utf-8") for file in files)
-    modules = re.findall(r"^from (neol[\w.]+) import", text, re.MULTILINE)
-    paths = (Path(module.replace(".", "/")) for module in modules)
-    imported = (
-        path / "__init__.py" if path.is_dir() else f"{path}.py" for path in paths
-    )
-    return sorted({*files, *map(str, imported)})
-
-
-def code(*, draws):
-    """What a notebook's outputs depend on: a change of drawing makes no table anew."""
-    folders = [f"study/{folder}" for folder in ANALYSIS] + [*DRAWING] * draws
-    return with_imports(
-        *(file for folder in folders for file in glob(f"neol/{folder}/*.py"))
-    )
+def captioned(path, exhibit):
+    """A picture or a table's numbers as `snakemake --report` shows them; another file as it is."""
+    if not path.endswith((".png", ".csv")):
+        return path
+    labels = {"caption": exhibit.caption}
+    return report(path, category=exhibit.group.title, labels=labels)
 
 
 def ask_otherwise(wildcards):
@@ -156,55 +154,3 @@ def ask_otherwise(wildcards):
         sys.exit(f"neol: {path} needs --config {options}")
     wanted = RESULTS_PAGE if page else f"{FIGURES}/{path.name}"
     sys.exit(f"neol: {path} does not show {LABEL}: ask for {wanted}")
-
-
-heatmaps = [f"figure{number}" for number in heatmaps_of(CONFIGURATION.budget)]
-# Each notebook: what it makes, the records that it reads, the code that it stands on.
-NOTEBOOKS = {
-    "tables": (
-        outputs(TABLE, "table1", "table3", "table5"),
-        shown("table3"),
-        code(draws=False),
-    ),
-    "efficiency": (
-        outputs(TABLE, "table2", "table6"),
-        shown("score"),
-        code(draws=False),
-    ),
-    "ablation": (
-        outputs(TABLE, "table4", "table7", "table8"),
-        shown("table4", "score"),
-        code(draws=False),
-    ),
-    "convergence": (
-        outputs(FIGURE, "figure2", "figure3"),
-        shown("table3", "table4"),
-        code(draws=True),
-    ),
-    "heatmaps": (outputs(FIGURE, *heatmaps), shown(), code(draws=True)),
-    "claims": (
-        outputs((*TABLE, "md"), "claims"),
-        shown(),
-        [*code(draws=False), "paper/claims.yaml"],
-    ),
-    "beyond": (
-        outputs((*FIGURE, "csv"), *BEYOND),
-        list(JOBS),
-        [*code(draws=True), *sorted(glob("config/sensitivity/*.yaml"))],
-    ),
-}
-
-
-def made_by(*notebooks):
-    """What some notebooks make."""
-    return [path for notebook in notebooks for path in NOTEBOOKS[notebook][0]]
-
-
-def captioned(path):
-    """A picture or table as `snakemake --report` shows it, with its caption; other files as they are."""
-    name = Path(path).stem
-    if not path.endswith((".png", ".csv")):
-        return path
-    kind = next(kind for kind in CATEGORIES if name.startswith(kind))
-    caption = f"paper/captions/{name}.rst"
-    return report(path, caption=caption, category=CATEGORIES[kind])

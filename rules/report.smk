@@ -7,15 +7,12 @@ repository has too, with another page for CartPole at the paper's budget.
 REPORT = f"{FIGURES}/report.html"
 PAPER = f"{'paper' if FIGURES == 'figures' else FIGURES}/reproduction.pdf"
 CHAMPIONS = f"build/{PLACE}/champions.json"
-PICTURES = [
-    path
-    for path in made_by("convergence", "heatmaps", "beyond")
-    if path.endswith(".pdf")
-]
-NUMBERS = [path for path in made_by(*NOTEBOOKS) if path.endswith((".tex", ".csv"))]
+PICTURES = [path for path in made() if path.endswith(".pdf")]
+NUMBERS = [path for path in made() if path.endswith((".tex", ".csv"))]
 
-# What words and predictions of cost stand on.
+# What words, captions and predictions of cost stand on.
 WORDS = sorted(glob("neol/study/report/*.*")) + [
+    "neol/study/workflow/exhibits.py",
     "neol/study/campaign/cost.py",
     "docs/benchmarks.csv",
 ]
@@ -28,8 +25,11 @@ rule report:
 
 rule showcase:
     input:
-        code=with_imports("neol/study/report/showcase.py", *glob("neol/champions/*.py")),
-        records=shown("table3"),
+        code=[
+            "neol/study/report/showcase.py",
+            *sorted({*RESULT_CODE, *python("champions", "pictures")}),
+        ],
+        records=list(map(str, records(CONFIGURATION, "table3"))),
     output:
         CHAMPIONS,
     log:
@@ -52,8 +52,7 @@ rule showcase:
 rule report_page:
     input:
         champions=CHAMPIONS,
-        shown=made_by(*NOTEBOOKS),
-        captions=sorted(glob("paper/captions/*.rst")),
+        shown=made(),
         assumptions="docs/assumptions.md",
         citation="CITATION.cff",
         code=WORDS,

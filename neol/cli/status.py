@@ -40,9 +40,9 @@ def status(
     from neol.cli.progress import Display
     from neol.cli.status_view import picture, summary
     from neol.study.campaign.grid import RESULTS
-    from neol.study.campaign.outlook import Status
     from neol.study.campaign.shown import SHOWN_READING, select
-    from neol.study.campaign.status import Folder
+    from neol.study.workflow.outlook import Status
+    from neol.study.workflow.status import Folder
 
     if not campaign.name:  # it is "."
         campaign = Path.cwd()

@@ -9,8 +9,8 @@ from rich.text import Text
 
 from neol.cli.progress import duration
 from neol.spec.run_spec import RunSpec
-from neol.study.campaign.outlook import Status
-from neol.study.campaign.status import JOB_STATES, Finished, JobStatus
+from neol.study.workflow.outlook import Status
+from neol.study.workflow.status import JOB_STATES, Finished, JobStatus
 
 LISTED = 5
 """As many entries of a list are shown."""

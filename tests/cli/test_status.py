@@ -6,10 +6,10 @@ import pytest
 
 from neol.cli import status as command
 from neol.study.campaign import shown
-from neol.study.campaign.status import Folder
+from neol.study.workflow.status import Folder
 from tests.helpers.command import neol, refused
-from tests.study.campaign.conftest import CONFIGURATION, finish, job, log
-from tests.study.campaign.conftest import unmeasured as unmeasured
+from tests.study.workflow.conftest import CONFIGURATION, finish, job, log
+from tests.study.workflow.conftest import unmeasured as unmeasured
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from neol.study.figures.paper_figures import figure2, figure3, heatmap
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import gather
 from neol.study.tables.paper_tables import table2, table3, table4, table5, table6, table7, table8
+from neol.study.workflow.exhibits import EXHIBITS, by_notebook, records
 from tests.helpers.made_up import configuration, write_campaign, write_trials
 
 SEEDS = (-1.5, -1.0, -0.5, 0.0, 0.0, 0.5, 1.0, 1.5)
@@ -48,18 +49,7 @@ def rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-NOTEBOOKS = {
-    "tables": ["table1", "table3", "table5"],
-    "efficiency": ["table2", "table6"],
-    "ablation": ["table4", "table7", "table8"],
-    "convergence": ["figure2", "figure3"],
-    "heatmaps": [f"figure{number}" for number in range(4, 12)],
-    "claims": ["claims"],
-    "beyond": [
-        f"beyond_{name}"
-        for name in ("effects", "aggregates", "profiles", "efficiency", "selection", "sensitivity")
-    ],
-}
+NOTEBOOKS = by_notebook(EXHIBITS)
 
 
 def test_every_notebook_is_here() -> None:
@@ -80,10 +70,16 @@ def test_a_notebook_makes_its_files_and_each_is_traced(
         cwd=ROOT / "notebooks",
         progress_bar=False,
     )
-    for name in NOTEBOOKS[notebook]:
-        kinds = ("pdf", "png") if "figure" in name or "beyond" in name else ("tex", "csv")
-        assert all((tmp_path / f"{name}.{kind}").stat().st_size > 100 for kind in kinds)
-        sidecar = json.loads((tmp_path / f"{name}.json").read_text())
+    made = {path.name for path in tmp_path.iterdir()} - {"executed.ipynb"}
+    assert made == {
+        f"{each.name}.{suffix}" for each in NOTEBOOKS[notebook] for suffix in each.group.suffixes
+    }
+    assert all((tmp_path / name).stat().st_size > 100 for name in made)
+    for each in NOTEBOOKS[notebook]:
+        sidecar = json.loads((tmp_path / f"{each.name}.json").read_text())
+        assert {record["path"] for record in sidecar["records"]} <= {
+            str(record) for record in records(load_configuration("smoke"), each.reads)
+        }
         assert all((results.parent / record["path"]).exists() for record in sidecar["records"])
         assert sidecar["records"]
     if notebook == "tables":

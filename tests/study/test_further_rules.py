@@ -8,8 +8,8 @@ import pytest
 from neol.network.rules import RULES, rule
 from neol.pictures.style import STYLES, save, styles
 from neol.spec.configuration import load_configuration
-from neol.study.campaign.exhibits import shown_methods
 from neol.study.campaign.grid import Cell
+from neol.study.campaign.methods import shown_methods
 from neol.study.figures import beyond_figures
 from neol.study.figures.paper_figures import figure2, figure3, heatmap
 from neol.study.outcomes import effects as beyond

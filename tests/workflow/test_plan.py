@@ -92,7 +92,8 @@ def test_tables_of_some_tasks_say_so(clone: Path) -> None:
     assert planned(clone, target, *options) == {}
     for source, anew in (
         ("pictures/style.py", {}),
-        ("study/campaign/grid.py", {"tables_notebook": 1}),
+        ("study/workflow/status.py", {}),
+        ("study/outcomes/campaign_runs.py", {"tables_notebook": 1}),
     ):
         with edited(clone / "neol" / source, '"""\n', '"""\n# other code\n'):
             assert planned(clone, target, *options) == anew

@@ -22,10 +22,10 @@ import pytest
 from neol.run.record_file import read_record, write_record
 from neol.spec.configuration import ROOT, load_configuration
 from neol.spec.plain_yaml import parse_yaml
-from neol.study.campaign.exhibits import BEYOND, HEATMAPS
 from neol.study.campaign.grid import blocks
 from neol.study.outcomes.chosen_cells import candidates
 from neol.study.output.sidecar import trace
+from neol.study.workflow.exhibits import EXHIBITS
 from tests.study.report.test_page import Outline
 from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, make_records, planned, snakemake
 
@@ -138,8 +138,8 @@ def test_a_changed_constant_plans_the_runs_that_it_affects(clone: Path) -> None:
 PAPER = ("paper" if FIGURES.name == "figures" else FIGURES) / Path("reproduction.pdf")
 HAS_LATEX = shutil.which("latexmk") is not None
 NEEDS_LATEX = pytest.mark.skipif(not HAS_LATEX, reason="no LaTeX on this machine")
-TABLES = [*(f"table{number}" for number in range(1, 9)), "claims"]
-PICTURES = [*(f"figure{number}" for number in (2, 3, *HEATMAPS)), *BEYOND]
+TABLES = [each.name for each in EXHIBITS if "tex" in each.group.suffixes]
+PICTURES = [each.name for each in EXHIBITS if "png" in each.group.suffixes]
 
 
 @pytest.fixture(scope="module")
@@ -176,7 +176,7 @@ def test_the_page_is_whole(whole: Path) -> None:
 def test_snakemake_reports_with_captions(whole: Path) -> None:
     made = snakemake(whole, "--report", "snakemake.html", "tables", "figures", *SMOKE)
     assert made.returncode == 0, made.stderr
-    caption = (whole / "paper/captions/figure2.rst").read_text().strip()
+    (caption,) = [each.caption for each in EXHIBITS if each.name == "figure2"]
     assert json.dumps(caption)[1:-1] in (whole / "snakemake.html").read_text()
 
 

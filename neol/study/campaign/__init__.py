@@ -1,1 +1,1 @@
-"""A campaign: its grid of runs, what they cost, and how far it is."""
+"""A campaign: its grid of runs, the records they make, and what they cost."""

@@ -13,7 +13,7 @@ from matplotlib.transforms import blended_transform_factory
 from neol.pictures.labels import method_label, task_label
 from neol.pictures.style import GREY, WIDTH, Style, drawing, footer, styles
 from neol.spec.constants import Budget
-from neol.study.campaign.exhibits import shown_methods
+from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE
 from neol.study.outcomes.effects import COMPARISONS, thresholds
 from neol.study.outcomes.outcomes import EQUAL

@@ -2,9 +2,10 @@
 
 import pandas as pd
 
-from neol.pictures.labels import task_label
-from neol.study.campaign.exhibits import HEATMAPS, challengers
+from neol.pictures.labels import TASK_LABELS, task_label
+from neol.spec.constants import Budget
 from neol.study.campaign.grid import Cell, cells
+from neol.study.campaign.methods import challengers
 from neol.study.figures.figure import Drawing
 from neol.study.figures.plots import convergence, heatmaps
 from neol.study.outcomes.campaign_runs import Campaign
@@ -12,6 +13,11 @@ from neol.study.outcomes.chosen_cells import SETTINGS, candidates
 from neol.study.output.captions import describe_budget, describe_samples
 from neol.study.tables.summary import summarise
 
+HEATMAPS = {
+    **{4 + position: (task, "final_best") for position, task in enumerate(TASK_LABELS)},
+    **{8 + position: (task, "score") for position, task in enumerate(TASK_LABELS)},
+}
+"""The paper's Figures 4 to 11: task and outcome of each."""
 _GROWS = (
     "SCORE grows with the population by construction (falls, where fitness is below 0), so compare "
     "cells of one population size."
@@ -27,6 +33,11 @@ def figure3(campaign: Campaign) -> Drawing:
     """Figure 3: the same against NEAT without weight mutation, in the cells of Table 4."""
     colours = "NEAT (w/o) is purple, in the paper red as NEAT is."
     return _convergence("figure3", campaign, "table4", colours)
+
+
+def heatmaps_of(budget: Budget) -> list[int]:
+    """The numbers of the heat maps whose tasks a budget has."""
+    return [number for number, (task, _) in HEATMAPS.items() if task in budget.tasks]
 
 
 def heatmap(number: int, campaign: Campaign) -> Drawing:

@@ -6,8 +6,8 @@ from statistics import fmean
 
 from neol.spec.configuration import Configuration
 from neol.spec.constants import Budget
-from neol.study.campaign.exhibits import challengers
 from neol.study.campaign.grid import Cell, cells, paper_cells
+from neol.study.campaign.methods import challengers
 
 
 @dataclass(frozen=True, slots=True)

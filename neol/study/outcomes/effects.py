@@ -17,7 +17,7 @@ import pandas as pd
 
 from neol.spec.configuration import load_configuration
 from neol.spec.constants import Budget
-from neol.study.campaign.exhibits import challengers, shown_methods
+from neol.study.campaign.methods import challengers, shown_methods
 from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.outcomes import EQUAL, Metric, Outcomes, Setting
 from neol.study.outcomes.statistics import (

@@ -72,13 +72,13 @@ def vouched_frame(path: Path) -> pd.DataFrame:
     return pd.read_csv(io.BytesIO(content))
 
 
-def vouched_table(campaign: Campaign, figures: Path, number: int) -> tuple[Table, Sidecar]:
-    """A table of the paper made anew, which is the one that its file holds.
+def vouched_table(campaign: Campaign, figures: Path, name: str) -> tuple[Table, Sidecar]:
+    """A table made anew, which is the one that its file holds.
 
     Raises UserError where that is not so, or as `vouched` does.
     """
-    table: Table = getattr(paper_tables, f"table{number}")(campaign)
-    file = figures / f"{table.name}.csv"
+    table: Table = getattr(paper_tables, name)(campaign)
+    file = figures / f"{name}.csv"
     content, sidecar = vouched(file)
     if content != table.csv():
         raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it anew")

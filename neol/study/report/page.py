@@ -17,7 +17,6 @@ from neol.base.files import write_atomically
 from neol.run.provenance import checkout, describe_checkout
 from neol.run.record import campaign_name
 from neol.spec.configuration import ROOT
-from neol.study.campaign.exhibits import BEYOND, heatmaps_of
 from neol.study.campaign.shown import snakemake_options
 from neol.study.claims import open_claims
 from neol.study.claims.claims import Claim, load_claims
@@ -34,16 +33,14 @@ from neol.study.report.inputs import (
     vouched_table,
 )
 from neol.study.report.showcase import Showcase, Shown
-
-CAPTIONS = ROOT / "paper" / "captions"
+from neol.study.workflow.exhibits import Exhibit, exhibits
 
 
 @dataclass(frozen=True, slots=True)
-class Exhibit:
-    """A table or a figure of the page."""
+class Displayed:
+    """A table or figure as the page shows it."""
 
-    name: str
-    caption: str
+    exhibit: Exhibit
     content: markupsafe.Markup
     origin: Sidecar
 
@@ -67,25 +64,25 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     """
     configuration = campaign.configuration
     judged = _judged(figures)
-    paper_tables = [_table(campaign, figures, number) for number in range(1, 9)]
-    numbers = 2, 3, *heatmaps_of(configuration.budget)
-    paper_figures = [_figure(figures, f"figure{number}") for number in numbers]
-    beyond = [_figure(figures, name) for name in BEYOND]
-    exhibits = [*paper_tables, *paper_figures, *beyond]
-    records = {record.path: record for each in exhibits for record in each.origin.records}
+    budget = configuration.budget
+    tables = [_table(campaign, figures, each) for each in exhibits(budget, "tables")]
+    paper_figures = [_figure(figures, each) for each in exhibits(budget, "figures")]
+    beyond = [_figure(figures, each) for each in exhibits(budget, "beyond")]
+    displayed = [*tables, *paper_figures, *beyond]
+    records = {record.path: record for each in displayed for record in each.origin.records}
     showcase = Showcase.model_validate_json(read(champions))
     return render(
         "page.html.j2",
         project=citation(),
-        budget=configuration.budget,
-        campaign=campaign_name(configuration.reading, configuration.budget.name),
+        budget=budget,
+        campaign=campaign_name(configuration.reading, budget.name),
         options=snakemake_options(configuration),
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
         judged=judged,
         counts=Counter(each.verdict for each in judged),
-        tables=paper_tables,
+        tables=tables,
         figures=paper_figures,
         beyond=beyond,
         champions=[(shown, *_pictures(shown)) for shown in showcase.champions],
@@ -95,23 +92,16 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     )
 
 
-def _table(campaign: Campaign, figures: Path, number: int) -> Exhibit:
-    table, sidecar = vouched_table(campaign, figures, number)
-    return Exhibit(
-        table.name, _caption(table.name), markupsafe.Markup(table._repr_html_()), sidecar
-    )
+def _table(campaign: Campaign, figures: Path, exhibit: Exhibit) -> Displayed:
+    table, sidecar = vouched_table(campaign, figures, exhibit.name)
+    return Displayed(exhibit, markupsafe.Markup(table._repr_html_()), sidecar)
 
 
-def _figure(figures: Path, name: str) -> Exhibit:
-    caption = _caption(name)
-    content, sidecar = vouched(figures / f"{name}.png")
+def _figure(figures: Path, exhibit: Exhibit) -> Displayed:
+    content, sidecar = vouched(figures / f"{exhibit.name}.png")
     source = _data(content, "image/png")
-    image = markupsafe.Markup('<img src="{}" alt="{}">').format(source, caption)
-    return Exhibit(name, caption, image, sidecar)
-
-
-def _caption(name: str) -> str:
-    return (CAPTIONS / f"{name}.rst").read_text(encoding="utf-8").strip()
+    image = markupsafe.Markup('<img src="{}" alt="{}">').format(source, exhibit.caption)
+    return Displayed(exhibit, image, sidecar)
 
 
 def _judged(figures: Path) -> list[Judged]:

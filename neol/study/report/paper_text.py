@@ -32,10 +32,12 @@ from neol.study.report import words
 from neol.study.report.citation import citation
 from neol.study.report.inputs import command_line, vouched_frame, vouched_table
 from neol.study.tables.table import Table, latex_entry
+from neol.study.workflow.exhibits import EXHIBITS, TABLES
 
-TABLES = range(1, 9)
-"""The paper's."""
-TABLES_TOGETHER = {"fitness": (1, 3, 4, 5, 7), "score": (2, 6, 8)}
+TABLES_TOGETHER = {
+    "fitness": ("table1", "table3", "table4", "table5", "table7"),
+    "score": ("table2", "table6", "table8"),
+}
 """Which of them each of the text's own tables puts together."""
 
 _DEFINITIONS = r"""
@@ -53,13 +55,15 @@ def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
     or the records say.
     """
     found = dict(_of_configuration(campaign.configuration))
+    found |= {f"caption/{each.name}": escape(each.caption) for each in EXHIBITS}
     found["budget/lacking"] = escape(lacking(campaign))
     found["budget/samples"] = escape(describe_samples(campaign))
-    tables = {number: vouched_table(campaign, figures, number)[0] for number in TABLES}
+    names = [each.name for each in EXHIBITS if each.group is TABLES]
+    tables = {name: vouched_table(campaign, figures, name)[0] for name in names}
     for table in tables.values():
         found |= dict(_printed(table))
     for name, together in TABLES_TOGETHER.items():
-        found[f"{name}/notes"] = _notes([tables[number] for number in together])
+        found[f"{name}/notes"] = _notes([tables[each] for each in together])
     found |= dict(_of_costs(costs(campaign)))
     found |= _of_claims(vouched_frame(figures / "claims.csv"))
     return found

@@ -28,7 +28,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     Raises UserError where a table is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
-    table, sidecar = vouched_table(campaign, figures, 1)
+    table, sidecar = vouched_table(campaign, figures, "table1")
     ledger = vouched_frame(figures / "claims.csv")
     effects = vouched_frame(figures / "beyond_effects.csv")
     spent = costs(campaign)

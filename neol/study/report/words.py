@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 
 from neol.pictures.labels import listed, method_label, task_label, three_figures
-from neol.study.campaign.exhibits import shown_methods
 from neol.study.campaign.grid import cells
+from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE, variants
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.effects import OUTCOMES

@@ -9,8 +9,8 @@ import pandas as pd
 
 from neol.network.rules import WITHOUT_RULE
 from neol.pictures.labels import method_label, task_label
-from neol.study.campaign.exhibits import challengers
 from neol.study.campaign.grid import Cell
+from neol.study.campaign.methods import challengers
 from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from neol.pictures.style import STYLES, save
-from neol.study.campaign.exhibits import heatmaps_of
-from neol.study.figures.paper_figures import figure3, heatmap
+from neol.study.figures.paper_figures import figure3, heatmap, heatmaps_of
 from neol.study.figures.plots import convergence, heatmaps
 from neol.study.outcomes.campaign_runs import Campaign
 from tests.helpers.made_up import configuration

@@ -15,7 +15,6 @@ import pytest
 from PIL import Image
 
 from neol.base.errors import UserError
-from neol.study.campaign.exhibits import BEYOND
 from neol.study.campaign.grid import cells
 from neol.study.claims.claims import decide, load_claims
 from neol.study.claims.ledger import write_ledger
@@ -25,6 +24,7 @@ from neol.study.output.sidecar import write_sidecar
 from neol.study.report.page import page
 from neol.study.report.showcase import Showcase, Shown, best_champion
 from neol.study.tables import paper_tables
+from neol.study.workflow.exhibits import exhibits
 from tests.helpers.made_up import configuration, write_campaign
 
 CHROMIUM = (
@@ -56,15 +56,10 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
     sources = campaign.sources(cells(campaign.configuration))
     for number in range(1, 9):
         getattr(paper_tables, f"table{number}")(campaign).write(folder)
-    for name in (
-        "figure2",
-        "figure3",
-        "figure4",
-        "figure8",
-        *BEYOND,
-    ):
-        Image.new("L", (900, 300), 128).save(folder / f"{name}.png")
-        write_sidecar([folder / f"{name}.png"], campaign.configuration, sources)
+    for each in exhibits(campaign.configuration.budget, "figures", "beyond"):
+        picture = folder / f"{each.name}.png"
+        Image.new("L", (900, 300), 128).save(picture)
+        write_sidecar([picture], campaign.configuration, sources)
     outcomes = gather(campaign)
     some = [claim for claim in load_claims() if "cartpole" in claim.id or claim.id == "table-5"]
     write_ledger(folder, [decide(claim, outcomes) for claim in some], campaign)

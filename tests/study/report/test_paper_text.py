@@ -25,6 +25,8 @@ def names() -> set[str]:
     text = TEXT
     for place, whose in re.findall(r"\\rules{(table.+?)}{(.+?)}", TEXT):
         text += "".join(rf"\result{{{place}/{rule}/{whose}}}" for rule in ("bcm", "hebb", "oja"))
+    for drawn in re.findall(r"\\drawing(?:\[.*?\])?{(.+?)}", TEXT):
+        text += rf"\result{{caption/{drawn}}}"
     found = re.findall(r"\\result{([^}]*)}", " ".join(text.split()))
     return {
         name.replace("#1", task)

@@ -12,7 +12,7 @@ from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import Job, jobs
-from neol.study.campaign.snakemake import clear_stale_locks, pattern
+from neol.study.workflow.snakemake import clear_stale_locks, pattern
 from tests.helpers.command import specification
 from tests.helpers.made_up import run
 
@@ -55,7 +55,7 @@ def test_a_pattern_matches_its_records_only() -> None:
 
 
 HOLD = """
-from neol.study.campaign.snakemake import clear_stale_locks
+from neol.study.workflow.snakemake import clear_stale_locks
 alive = clear_stale_locks()
 print(flush=True)
 input()

@@ -6,9 +6,9 @@ import pytest
 
 from neol.run.record import join
 from neol.run.record_file import write_record
-from neol.study.campaign import outlook
 from neol.study.campaign.jobs import Job
-from neol.study.campaign.status import Folder
+from neol.study.workflow import outlook
+from neol.study.workflow.status import Folder
 from tests.helpers import made_up
 
 CONFIGURATION = made_up.configuration(tasks=("cartpole", "hopper"))

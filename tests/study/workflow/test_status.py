@@ -9,12 +9,12 @@ import pytest
 from neol.run.record_file import read_record, write_record
 from neol.run.runner import run_block
 from neol.run.workspace import finished_path, partial_folder
-from neol.study.campaign import status
 from neol.study.campaign.jobs import Job
-from neol.study.campaign.outlook import Status
-from neol.study.campaign.status import Folder, JobStatus
+from neol.study.workflow import status
+from neol.study.workflow.outlook import Status
+from neol.study.workflow.status import Folder, JobStatus
 from tests.helpers.runs import killer
-from tests.study.campaign.conftest import finish, job, log
+from tests.study.workflow.conftest import finish, job, log
 
 
 def status_of(folder: Folder, of: Job) -> JobStatus:

@@ -3,11 +3,11 @@
 import pytest
 
 from neol.run.workspace import partial_folder
-from neol.study.campaign import status as states
 from neol.study.campaign.cost import run_seconds
-from neol.study.campaign.outlook import Row, Status
-from neol.study.campaign.status import Folder
-from tests.study.campaign.conftest import finish, job
+from neol.study.workflow import status as states
+from neol.study.workflow.outlook import Row, Status
+from neol.study.workflow.status import Folder
+from tests.study.workflow.conftest import finish, job
 
 
 def row(folder: Folder, task: str, part: str) -> Row:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from neol.study.campaign.cost import run_seconds
 from neol.study.campaign.jobs import SENSITIVITY
-from neol.study.campaign.status import JobState, JobStatus
+from neol.study.workflow.status import JobState, JobStatus
 
 
 @dataclass(frozen=True, slots=True)
