@@ -1,5 +1,6 @@
 """The how-to pages do what they say."""
 
+import json
 import os
 import re
 import shutil
@@ -11,6 +12,8 @@ import pytest
 
 from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT
+from neol.study.output.sidecar import trace
+from tests.workflow.clone import fresh_clone
 
 PAGES = ROOT / "docs" / "how-to"
 
@@ -43,6 +46,16 @@ def copy_repository(folder: Path) -> None:
         shutil.copytree(ROOT / part, folder / part, ignore=ignored)
     for part in ("Snakefile", "environment.yml"):
         shutil.copy(ROOT / part, folder)
+
+
+def apply(diff: str, folder: Path) -> None:
+    """Make a page's changes, each of lines that its file has once."""
+    for path, change in re.findall(r"^\+\+\+ b/(.*)\n@@\n((?:[-+ ].*\n)+?)(?=---|\Z)", diff, re.M):
+        file, lines = folder / path, change.splitlines(keepends=True)
+        old, new = ("".join(line[1:] for line in lines if line[0] in kept) for kept in (" -", " +"))
+        before = file.read_text(encoding="utf-8")
+        assert before.count(old) == 1, f"{path} has other lines than the page says"
+        file.write_text(before.replace(old, new), encoding="utf-8")
 
 
 @pytest.mark.slow
@@ -111,3 +124,31 @@ def test_a_task_of_one_s_own(tmp_path: Path) -> None:
     assert record.seeds[0].held_out.mean is not None and record.seeds[0].held_out.mean > 40
     again = command.replace("--output lights", "--workers 2 --output again")
     assert shell(again, tmp_path).splitlines()[-1] == line, "the workers know it too"
+
+
+@pytest.mark.slow
+def test_a_claim(tmp_path: Path) -> None:
+    clone = fresh_clone(tmp_path / "neol")
+    (claim,) = blocks("add-a-claim.md", "yaml")
+    with (clone / "paper" / "claims.yaml").open("a", encoding="utf-8") as file:
+        file.write(claim)
+    (commands,) = blocks("add-a-claim.md", "bash")
+    printed = shell(commands, clone, clone)
+    assert "lunar_lander: mean of bcm higher than hebb" in printed
+
+
+@pytest.mark.slow
+def test_a_figure(tmp_path: Path) -> None:
+    clone = fresh_clone(tmp_path / "neol")
+    page = "add-a-table-or-figure.md"
+    (entry,), (cell,), (commands,) = (blocks(page, kind) for kind in ("diff", "python", "bash"))
+    apply(entry, clone)
+    notebook = clone / "notebooks" / "beyond.ipynb"
+    content = json.loads(notebook.read_text(encoding="utf-8"))
+    new = {"cell_type": "code", "id": "species", "metadata": {}, "source": cell}
+    content["cells"].append(new | {"outputs": [], "execution_count": None})
+    notebook.write_text(json.dumps(content), encoding="utf-8")
+    printed = shell(commands, clone, clone)
+    assert "/demo/lunar_lander/bcm/" in printed
+    figure = clone / "figures" / "demo" / "beyond_species.pdf"
+    assert not [line for line in trace(figure, clone) if line.endswith(("since)", "here)"))]
