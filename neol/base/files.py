@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 
+import platformdirs
+
 from neol.base.errors import UserError
 
 
@@ -75,9 +77,8 @@ def sha256(path: Path) -> str:
 
 def cache_folder() -> Path:
     """The user's folder for what can be made again; a user without a home has a temporary one."""
-    base = os.environ.get("XDG_CACHE_HOME")
     with contextlib.suppress(RuntimeError):  # no home, as a container's unknown user
-        return Path(base or Path.home() / ".cache") / "neol"
+        return platformdirs.user_cache_path("neol")
     return temporary_cache_folder()
 
 

@@ -106,7 +106,7 @@ def test_links_are_followed_but_not_around(tmp_path: Path) -> None:
 def test_a_user_without_a_home_has_a_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert cache_folder() == tmp_path / ".cache" / "neol"
+    assert cache_folder().is_relative_to(tmp_path)
     monkeypatch.delenv("HOME")
     monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
     assert cache_folder() == temporary_cache_folder()
