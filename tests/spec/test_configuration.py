@@ -111,7 +111,7 @@ def test_an_override_that_is_not_allowed(override, expected):
         ("neat..elitism=3", '--set "neat..elitism=3": write it as key=value'),
         ("neat.elitism=[1", "--set neat.elitism=[1, line 1: expected ',' or ']'"),
         ("neat={a: 1, a: 2}", '--set neat={a: 1, a: 2}, line 1: found duplicate key "a"'),
-        ("neat.elitism=2026-01-01", "--set neat.elitism=2026-01-01, line 1: tag:yaml.org,2002:time"),
+        ("neat.elitism=2026-01-01", "--set neat.elitism=2026-01-01, line 1: tag:yaml.org,2002:t"),
         ("neat.elitism=!!python/name:os.system", "--set neat.elitism=!!python/name:os.system"),
     ],
 )
