@@ -5,6 +5,7 @@ data gives NaN, never a guess.
 """
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -192,33 +193,27 @@ def estimate(
 
 def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats, Floats]:
     """Student's interval of the mean over the last axis; NaN below two values."""
-    n = values.shape[-1]
-    if n < 2:
+    if values.shape[-1] < 2:
         nothing = np.full(values.shape[:-1], np.nan)
         return nothing, nothing
-    mean = values.mean(axis=-1)
-    half = stats.t.ppf((1 + confidence) / 2, n - 1) * values.std(axis=-1, ddof=1) / math.sqrt(n)
-    return mean - half, mean + half
+    with warnings.catch_warnings(action="ignore"):  # of values that are all equal
+        low, high = stats.ttest_1samp(values, 0.0, axis=-1).confidence_interval(confidence)
+    return np.asarray(low), np.asarray(high)
 
 
 def mean_difference_error(sample: Floats, against: Floats) -> float:
     """Standard error of the difference of two means, whose variances may differ."""
-    return math.sqrt(sum(_squared_errors(sample, against)))
+    return math.hypot(stats.sem(sample), stats.sem(against))
 
 
 def mean_difference_interval(
     sample: Floats, against: Floats, confidence: float
 ) -> tuple[float, float]:
     """Welch's interval of the difference of two means (Welch 1947); a point without any spread."""
-    difference = float(mean_difference(sample, against))
-    first, second = _squared_errors(sample, against)
-    if first + second == 0:
-        return difference, difference
-    degrees = (first + second) ** 2 / (
-        first**2 / (len(sample) - 1) + second**2 / (len(against) - 1)
-    )
-    half = float(stats.t.ppf((1 + confidence) / 2, degrees)) * math.sqrt(first + second)
-    return difference - half, difference + half
+    with warnings.catch_warnings(action="ignore"):  # of values that are all equal
+        test = stats.ttest_ind(sample, against, equal_var=False)
+        low, high = test.confidence_interval(confidence)
+    return float(low), float(high)
 
 
 # --- Power --------------------------------------------------------------------------------------
@@ -251,11 +246,6 @@ def seeds_for(effect: float, error: float, seeds: int, alpha: float, power: floa
         return math.nan
     z = stats.norm.isf(alpha / 2) + stats.norm.isf(1 - power)
     return float(max(2, math.ceil(seeds * (z * error / effect) ** 2)))
-
-
-def _squared_errors(*samples: Floats) -> list[float]:
-    """Of the samples' means."""
-    return [float(each.var(ddof=1)) / len(each) for each in samples]
 
 
 def _same(value: float, printed: float, digits: int) -> bool:

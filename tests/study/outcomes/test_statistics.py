@@ -19,6 +19,7 @@ from neol.study.outcomes.statistics import (
     iqr_difference,
     low_outliers,
     mean_difference,
+    mean_difference_error,
     mean_difference_interval,
     mean_interval,
     mean_superiority,
@@ -191,19 +192,21 @@ class TestIntervals:
         result = estimate(sd_difference, [wide, narrow], random())
         assert 0 < result.low < 2 < result.high
 
-    def test_students_interval_agrees_with_scipy(self) -> None:
-        values = random().normal(size=6)
-        expected = stats.ttest_1samp(values, 0).confidence_interval()
-        low, high = mean_interval(values)
-        assert (float(low), float(high)) == pytest.approx((expected.low, expected.high))
-        assert np.isnan(mean_interval(values[:1])).all()
+    def test_students_interval_by_hand(self) -> None:
+        """Means 3 and 3, standard errors sqrt(3) and 0; t is 4.303 with 2 degrees of freedom."""
+        low, high = mean_interval(np.array([[0.0, 3.0, 6.0], [3.0, 3.0, 3.0]]))
+        half = 4.302653 * math.sqrt(3)
+        assert low == pytest.approx([3 - half, 3])
+        assert high == pytest.approx([3 + half, 3])
+        assert np.isnan(mean_interval(np.array([1.0]))).all()
 
-    @given(SAMPLES, SAMPLES)
-    def test_welchs_interval_agrees_with_scipy(self, a: np.ndarray, b: np.ndarray) -> None:
-        a, b = np.append(a, a[0] + 1), np.append(b, b[0] + 1)  # not all equal, as scipy asks
-        theirs = stats.ttest_ind(a, b, equal_var=False).confidence_interval(0.9)
-        ours = mean_difference_interval(a, b, 0.9)
-        assert ours == pytest.approx((theirs.low, theirs.high))
+    def test_welchs_interval_by_hand(self) -> None:
+        """The squared standard errors of the means 1 and 2 are 1 and 4."""
+        sample, against = np.array([0.0, 2.0]), np.array([0.0, 4.0])
+        half = stats.t.ppf(0.95, (1 + 4) ** 2 / (1**2 + 4**2)) * math.sqrt(1 + 4)
+        interval = mean_difference_interval(sample, against, 0.9)
+        assert interval == pytest.approx((-1 - half, -1 + half))
+        assert mean_difference_error(sample, against) == pytest.approx(math.sqrt(5))
 
     def test_without_spread_an_interval_is_a_point(self) -> None:
         assert mean_difference_interval(np.full(3, 5.0), np.full(4, 2.0), 0.9) == (3, 3)
