@@ -1,58 +1,50 @@
-"""Ctrl-C and SIGTERM, raised where neol's own code is at work and never within a library's."""
+"""Ctrl-C and SIGTERM: a run is asked to stop, and stops at the next place that looks."""
 
 import contextlib
 import signal
 from collections.abc import Iterator
 from types import FrameType
 
-_AGAIN_SECONDS = 0.02
-
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM, taken as an interrupt."""
 
 
+_asked: type[KeyboardInterrupt] | None = None
+
+
+def stop_if_asked() -> None:
+    """Raise KeyboardInterrupt after Ctrl-C and Terminated after SIGTERM, within `interruptible`.
+
+    Called by whatever takes long, between two pieces of its work.
+    """
+    if _asked is not None:
+        raise _asked
+
+
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """Raise KeyboardInterrupt on Ctrl-C and Terminated on SIGTERM, at the next safe moment.
+    """Let Ctrl-C and SIGTERM wait for `stop_if_asked`; a second signal does not wait.
 
-    A library may run Python where it expects no exception, in a finaliser or in the midst of
-    compiling. So the exception waits until neol's own code is on top of the stack again; a second
-    signal does not wait. What is ignored outside, as Ctrl-C in a shell's background, stays so.
+    An exception out of a signal's handler could come up where a library expects none, in a
+    finaliser or in the midst of compiling. What is ignored outside, as Ctrl-C in a shell's
+    background, stays so.
     """
-    asked: type[KeyboardInterrupt] | None = None
+    global _asked
 
-    def ask(number: int, frame: FrameType | None) -> None:
-        nonlocal asked
-        impatient = asked is not None
-        asked = Terminated if number == signal.SIGTERM else KeyboardInterrupt
-        raise_or_wait(frame, impatient)
+    def ask(number: int, _frame: FrameType | None) -> None:
+        global _asked
+        stop_if_asked()
+        _asked = Terminated if number == signal.SIGTERM else KeyboardInterrupt
 
-    def look_again(_number: int, frame: FrameType | None) -> None:
-        raise_or_wait(frame, impatient=False)
-
-    def raise_or_wait(frame: FrameType | None, impatient: bool) -> None:
-        nonlocal asked
-        if asked is None:
-            return
-        if impatient or _is_ours(frame):
-            stop, asked = asked, None
-            raise stop
-        signal.setitimer(signal.ITIMER_REAL, _AGAIN_SECONDS)
-
-    handlers = {signal.SIGTERM: ask, signal.SIGINT: ask, signal.SIGALRM: look_again}
     before = {
-        number: signal.signal(number, handler)
-        for number, handler in handlers.items()
+        number: signal.signal(number, ask)
+        for number in (signal.SIGTERM, signal.SIGINT)
         if signal.getsignal(number) != signal.SIG_IGN
     }
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _is_ours(frame: FrameType | None) -> bool:
-    return frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "neol"
+        _asked = None

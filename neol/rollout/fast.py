@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from neol.base.interruption import stop_if_asked
 from neol.network.forward import Networks
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, Slots, World
@@ -66,6 +67,7 @@ class FastEngine:
         simulation = self._of_thread.simulation
         slots = Slots.empty(simulation.slots, batch.networks)
         while not over.is_set():
+            stop_if_asked()
             simulation.world.play(batch, slots)
             if slots.used[0] == 0:
                 break

@@ -8,18 +8,21 @@ import os
 import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import Connection
-from queue import SimpleQueue
 
 import numpy as np
 import numpy.typing as npt
 
 from neol.base.errors import UserError
+from neol.base.interruption import stop_if_asked
 from neol.network.forward import Networks
 from neol.rollout.engine import Engine, Rollouts
 from neol.spec.constants import Plasticity
+
+LOOK_SECONDS = 0.1
+"""As often somebody who waits for workers looks whether the run shall stop."""
 
 
 def portions(networks: int, workers: int) -> list[tuple[int, int]]:
@@ -55,7 +58,6 @@ class ProcessEngine:
     def evaluate(
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
     ) -> Rollouts:
-        done: SimpleQueue[object] = SimpleQueue()
         try:
             futures = [
                 self._executor.submit(
@@ -63,10 +65,10 @@ class ProcessEngine:
                 )
                 for begin, end in portions(networks.population, self._workers)
             ]
-            for future in futures:
-                future.add_done_callback(done.put)
-            for _ in futures:
-                done.get()  # waits within this frame of ours, where Ctrl-C is heard
+            pending = set(futures)
+            while pending:
+                stop_if_asked()
+                pending = wait(pending, LOOK_SECONDS).not_done
             parts = [future.result() for future in futures]
         except BrokenProcessPool:
             raise UserError(

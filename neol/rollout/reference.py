@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.base.errors import UserError
+from neol.base.interruption import stop_if_asked
 from neol.network.forward import Networks, forward
 from neol.network.plasticity import compiled, learn
 from neol.network.rules import NO_RULE
@@ -106,6 +107,7 @@ class ReferenceEngine:
             edges = slice(*networks.edge_bounds[genome : genome + 2])
             nodes = slice(*networks.node_offset[genome : genome + 2])
             for episode in range(episodes):
+                stop_if_asked()
                 if not plasticity.write_back:
                     rollouts.weight[edges] = networks.weight[edges]
                 rollouts.threshold[nodes] = 0.0

@@ -5,6 +5,7 @@ One process claims it at a time.
 
 import contextlib
 import fcntl
+import itertools
 import os
 import shutil
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import IO
 
 from neol.base.errors import NOTICE, UserError
+from neol.base.interruption import stop_if_asked
 
 
 def partial_folder(output: Path) -> Path:
@@ -69,20 +71,21 @@ def claim(output: Path, *, wait: bool, keep: bool = False) -> Iterator[Path]:
 
 def _lock(file: IO[str], partial: Path, wait: bool) -> None:
     """Lock a file. The lock is the kernel's: it ends with the process, whatever ends that."""
-    for _ in range(4):  # `is_running` holds it for an instant
+    for attempt in itertools.count(1):
+        stop_if_asked()
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
+            if attempt == 4:  # before that it may be `is_running`, which holds it for an instant
+                line = f"{partial}: another process is running this"
+                if not wait:
+                    raise UserError(f"{line}; wait for it or choose another output") from None
+                print(f"{NOTICE}{line}; waiting for it", file=sys.stderr, flush=True)
             time.sleep(0.05)
         except OSError:
             return  # a file system without locks
         else:
             return
-    line = f"{partial}: another process is running this"
-    if not wait:
-        raise UserError(f"{line}; wait for it or choose another output")
-    print(f"{NOTICE}{line}; waiting for it", file=sys.stderr, flush=True)
-    fcntl.flock(file, fcntl.LOCK_EX)
 
 
 def _is(file: IO[str], path: Path) -> bool:

@@ -1,12 +1,14 @@
 """One process at a time works at an output, and others can see it."""
 
 import fcntl
+import signal
 import time
 from pathlib import Path
 
 import pytest
 
 from neol.base.errors import UserError
+from neol.base.interruption import Terminated, interruptible
 from neol.run.workspace import is_running, partial_folder, remove_if_complete
 from tests.helpers.runs import block, killer, names
 
@@ -19,6 +21,16 @@ def test_two_processes_do_not_run_the_same_block(tmp_path: Path) -> None:
         with pytest.raises(UserError, match="another process is running this"):
             block(tmp_path / "run.parquet")
     assert block(tmp_path / "run.parquet").seeds[0].seed == 0
+
+
+def test_a_signal_ends_the_wait_for_another_process(tmp_path: Path) -> None:
+    partial = partial_folder(tmp_path / "run.parquet")
+    partial.mkdir()
+    with (partial / "lock").open("w") as lock, interruptible():
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        signal.raise_signal(signal.SIGTERM)
+        with pytest.raises(Terminated):
+            block(tmp_path / "run.parquet", resume=True)
 
 
 def test_a_block_is_running_while_a_process_holds_its_folder(tmp_path: Path) -> None:
