@@ -184,7 +184,12 @@ def _says_how_to_go_on(output: Path) -> Iterator[None]:
 
 
 def _summarise(output: Path, record: "Record", finished: bool) -> None:
-    print(f"{output}: {'complete already, nothing to do' if finished else 'written'}")
+    if finished:
+        print(f"{output}: complete already, nothing to do")
+    else:
+        from neol.rollout import describe
+
+        print(f"{output}: written (engine: {describe(record.spec.task, record.seeds[-1].engine)})")
     for info in record.seeds:
         held_out = info.held_out
         mean = "failed" if held_out.mean is None else f"{held_out.mean:.1f}"

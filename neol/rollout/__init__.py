@@ -10,7 +10,7 @@ from neol.spec.constants import Task
 
 EngineChoice = Literal["auto", "fast", "reference"]
 
-__all__ = ["Engine", "EngineChoice", "Rollouts", "make_engine"]
+__all__ = ["Engine", "EngineChoice", "Rollouts", "describe", "make_engine"]
 
 
 def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> Engine:
@@ -40,3 +40,11 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
         return ReferenceEngine(task)
     ReferenceEngine(task).close()  # an impossible task is said here, not in a worker
     return ProcessEngine(partial(ReferenceEngine, task), ReferenceEngine.name, workers)
+
+
+def describe(task: Task, engine: str) -> str:
+    """An engine by its name and, where it steps Box2D, the path that its physics takes."""
+    from neol.rollout.worlds.box2d import library as box2d
+
+    core = box2d.load() if engine == "fast" and task.environment in box2d.TASKS else ""
+    return engine if isinstance(core, str) else f"{engine}; physics: {box2d.chosen_path(core)}"

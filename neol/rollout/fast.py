@@ -65,7 +65,8 @@ class FastEngine:
         if not hasattr(self._of_thread, "simulation"):
             self._of_thread.simulation = self.make_simulation()
         simulation = self._of_thread.simulation
-        slots = Slots.empty(simulation.slots, batch.networks)
+        share = -(-batch.networks.population // self._workers)  # so that no worker takes all
+        slots = Slots.empty(min(simulation.slots, share), batch.networks)
         while not over.is_set():
             stop_if_asked()
             simulation.world.play(batch, slots)
@@ -98,9 +99,9 @@ def fast_engine(task: Task, workers: int = 1) -> Engine | str:
             return library
         from neol.rollout.worlds.box2d import environment
 
-        make_simulation = partial(
-            environment.Simulation, library, task.environment, box2d.best_path(library)
-        )
+        path = box2d.chosen_path(library)
+        slots = box2d.default_slots(path)
+        make_simulation = partial(environment.Simulation, library, task.environment, path, slots)
     else:
         return "only the reference engine knows it"
     return FastEngine(make_simulation, task.max_steps, workers)

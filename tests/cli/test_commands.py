@@ -13,6 +13,7 @@ from neol.spec.configuration import load_configuration
 from neol.spec.plain_yaml import parse_yaml
 from tests.helpers import troubled as troubled
 from tests.helpers.command import TINY, neol, refused, specification
+from tests.helpers.core import require_core
 from tests.helpers.runs import evolve, names
 
 pytestmark = pytest.mark.usefixtures("own_folder")
@@ -28,12 +29,24 @@ def test_run_writes_the_record_and_sums_it_up(tmp_path: Path) -> None:
     (info,) = record.seeds
     assert info.digest == evolve(record.spec).digest
     first, second = outcome.stdout.splitlines()
-    assert first == "a.parquet: written"
+    assert first == "a.parquet: written (engine: reference)"
     assert second == (
         f"seed 3: best {info.champion.fitness:.1f}, champion in 3 held-out episodes "
         f"{info.held_out.mean:.1f} ± {info.held_out.sd:.1f}, digest {info.digest}"
     )
     assert names(tmp_path) == ["a.parquet"]
+
+
+def test_run_says_which_physics_played(monkeypatch: pytest.MonkeyPatch) -> None:
+    require_core()
+    small = TINY.replace("cartpole", "lunar_lander").replace("--engine reference", "")
+    monkeypatch.setenv("NEOL_BOX2D_PATH", "shortcut")
+    first, _ = neol(f"run {small} --output a.parquet").stdout.splitlines()
+    assert first == "a.parquet: written (engine: fast; physics: shortcut)"
+    monkeypatch.setenv("NEOL_BOX2D_PATH", "faster")
+    assert 'NEOL_BOX2D_PATH: no path "faster" on this machine; choose plain, shortcut' in refused(
+        f"run {small} --output b.parquet"
+    )
 
 
 def test_digest_prints_a_line_per_seed(tmp_path: Path) -> None:

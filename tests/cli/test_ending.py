@@ -89,4 +89,4 @@ def test_piped_output_is_plain_lines(tmp_path: Path) -> None:
     assert first.startswith("seed 0 (1 of 2)  generation 1/3  best ")
     assert last.startswith("seed 1 (2 of 2)  generation 3/3  best ")
     assert last.endswith(" steps/s  0:00 left")
-    assert stdout.startswith("a.parquet: written\n")
+    assert stdout.startswith("a.parquet: written (")

@@ -78,6 +78,20 @@ def test_known_digests(task: str, method: str, reading: str) -> None:
     assert digest_of(task, method, "reference", reading)[0] == known[f"{task} {method}"]
 
 
+@pytest.mark.skipif(not SAME_LAST_BITS, reason="the digests were made on x86-64 Linux with glibc")
+@pytest.mark.parametrize("path", box2d.PATHS)
+@pytest.mark.parametrize("task", BOX2D_TASKS)
+def test_every_path_of_the_physics_gives_the_known_digest(
+    task: str, path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if path not in box2d.available_paths(require_core()):
+        pytest.skip(f"this machine has no {path}")
+    monkeypatch.setenv("NEOL_BOX2D_PATH", path)
+    known = json.loads(KNOWN.read_text())
+    played = digest_of.__wrapped__  # anew, whatever was played before
+    assert played(task, "bcm", "fast") == (known[f"{task} bcm"], "fast")
+
+
 @pytest.mark.parametrize("task", BOX2D_TASKS)
 def test_without_the_core_the_reference_engine_serves(
     task: str,

@@ -71,7 +71,7 @@ class World(NamedTuple):
 class Simulation:
     """A group of simulations of the core, which lives as long as this object."""
 
-    def __init__(self, library: ctypes.CDLL, environment: str, path: str, slots: int = 1) -> None:
+    def __init__(self, library: ctypes.CDLL, environment: str, path: str, slots: int) -> None:
         group = library.neol_create(TASKS.index(environment), slots, PATHS.index(path))
         weakref.finalize(self, library.neol_destroy, group)
         self.slots = slots

@@ -2,9 +2,12 @@
 
 import ctypes
 import hashlib
+import os
 import platform
 import sys
 from pathlib import Path
+
+from neol.base.errors import UserError
 
 FOLDER = Path(__file__).parent
 LIBRARY = FOLDER / f"core.{'dylib' if sys.platform == 'darwin' else 'so'}"
@@ -33,6 +36,8 @@ TASKS = ("LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3")
 """Gymnasium ids in the order of the core's own numbers for them."""
 PATHS = ("plain", "shortcut", "sse2", "avx2", "avx512", "neon")
 """Ways to the same bits, in the order of the core's own numbers for them: see lockstep.hpp."""
+PATH_VARIABLE = "NEOL_BOX2D_PATH"
+"""Of the environment: names the path to take."""
 
 
 def stamp() -> str:
@@ -78,6 +83,20 @@ def available_paths(library: ctypes.CDLL) -> list[str]:
     return [name for number, name in enumerate(PATHS) if library.neol_available(number)]
 
 
-def best_path(library: ctypes.CDLL) -> str:
-    """The fastest of them."""
-    return PATHS[library.neol_best_path()]
+def chosen_path(library: ctypes.CDLL) -> str:
+    """The fastest of them, or the one that the variable NEOL_BOX2D_PATH names.
+
+    Raises UserError where this machine does not have that one.
+    """
+    path = os.environ.get(PATH_VARIABLE) or PATHS[library.neol_best_path()]
+    available = available_paths(library)
+    if path not in available:
+        raise UserError(
+            f'{PATH_VARIABLE}: no path "{path}" on this machine; choose {", ".join(available)}'
+        )
+    return path
+
+
+def default_slots(path: str) -> int:
+    """How many worlds are best held at once: measured; one by one they fill no lanes."""
+    return 1 if path in ("plain", "shortcut") else 16

@@ -12,7 +12,7 @@ from gymnasium.envs.box2d.lunar_lander import heuristic
 
 from neol.random.pcg64 import seed_pcg64
 from neol.rollout.worlds.box2d import environment
-from neol.rollout.worlds.box2d.library import PATHS, available_paths, best_path
+from neol.rollout.worlds.box2d.library import PATHS, available_paths, chosen_path
 from tests.helpers.stepwise import Array, Slot, compare_episode
 
 LANDER, WALKER, HARDCORE = "LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3"
@@ -45,7 +45,7 @@ class Alone(Slot):
     """The one slot of a group of the core."""
 
     def __init__(self, library: ctypes.CDLL, task: str) -> None:
-        self._simulation = environment.Simulation(library, task, best_path(library))
+        self._simulation = environment.Simulation(library, task, chosen_path(library), 1)
         self.group = self._simulation.world.group
         super().__init__(self._simulation.world, SIZES[task][1])
 
