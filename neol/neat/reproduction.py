@@ -83,10 +83,11 @@ class Reproduction:
         pairs = random.integers(len(candidates), size=(spawn - len(elites), 2))
         alone = random.random(len(pairs)) >= neat.crossover_rate
         pairs[alone, 1] = pairs[alone, 0]
+        pairs.sort(axis=1)
         parents = np.zeros(spawn, dtype=PARENTS)
         parents["elite"][: len(elites)] = True
-        parents["fitter"] = np.concatenate([elites, candidates[pairs.min(axis=1)]])
-        parents["other"] = np.concatenate([elites, candidates[pairs.max(axis=1)]])
+        parents["fitter"] = np.concatenate([elites, candidates[pairs[:, 0]]])
+        parents["other"] = np.concatenate([elites, candidates[pairs[:, 1]]])
         return parents
 
     def _new_ids(self, count: int) -> int:

@@ -78,6 +78,8 @@ def _spawned_words(
     entropy: Words, keys: npt.NDArray[np.uint32], words: npt.NDArray[np.uint64]
 ) -> None:
     pool = np.empty(POOL_SIZE, dtype=np.uint32)
+    both = np.concatenate((entropy, np.empty(keys.shape[1], dtype=np.uint32)))
     for i in range(len(keys)):
-        mix_entropy(np.concatenate((entropy, keys[i])), pool)
+        both[len(entropy) :] = keys[i]
+        mix_entropy(both, pool)
         generate_state(pool, words[i : i + 1])
