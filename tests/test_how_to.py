@@ -127,6 +127,23 @@ def test_a_task_of_one_s_own(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_change_of_selection(tmp_path: Path) -> None:
+    clone = fresh_clone(tmp_path / "neol")
+    change, of_tests = blocks("change-selection.md", "diff")
+    tests, runs = blocks("change-selection.md", "bash")
+    run, digest = runs.splitlines()[0], "neol digest as-before.parquet"
+    before = shell(f"{run}\n{digest}\nrm as-before.parquet", clone, clone).splitlines()[-1]
+    apply(change, clone)
+    apply(of_tests, clone)
+    shell("python -m neol.spec.configuration", clone, clone)
+    assert '"tournament"' in (clone / "config" / "schema.json").read_text(encoding="utf-8")
+    shell(tests, clone, clone)
+    assert "neat.tournament" in shell(runs, clone, clone)
+    assert shell(digest, clone, clone).strip() == before
+    assert shell("neol digest tournament.parquet", clone, clone).strip() != before
+
+
+@pytest.mark.slow
 def test_a_claim(tmp_path: Path) -> None:
     clone = fresh_clone(tmp_path / "neol")
     (claim,) = blocks("add-a-claim.md", "yaml")

@@ -21,7 +21,7 @@ DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs
 FENCE = re.compile(r"^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE)
 INFO = re.compile(r'(?P<language>bash|python|yaml|text)(?: title="(?P<title>[\w./-]+)")?$')
 
-CHANGES_CODE = {"add-a-table-or-figure.md", "add-a-claim.md"}
+CHANGES_CODE = {"change-selection.md", "add-a-table-or-figure.md", "add-a-claim.md"}
 """Pages that tests/test_how_to.py follows, as their commands need the changes that they show."""
 PLANNED_ONLY = {
     # sets the environment up anew, tests itself, waits for a person, measures for ten minutes
