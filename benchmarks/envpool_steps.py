@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 import numpy.typing as npt
-from neol.constants import Task
 
 from benchmarks.measure import Measurement, Values
 from benchmarks.trajectories import Recording
-from neol.network import Networks
+from neol.network.forward import Networks
+from neol.spec.constants import Task
 
 Array = npt.NDArray[np.float64]
 

@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 
 from benchmarks.networks import initial_topology
-from neol.network import Networks, forward
+from neol.network.forward import Networks, forward
 from neol.rollout import make_engine
 from neol.rollout.reference import network_size
-from neol.spec import RunSpec, load_configuration
+from neol.spec.configuration import load_configuration
+from neol.spec.run_spec import RunSpec
 
 pytest.importorskip("envpool", reason="EnvPool is installed on demand: make bench")
 
