@@ -1,4 +1,4 @@
-"""Measure everything in one interleaved run and write it to docs/: `make bench`, `neol bench`.
+"""Measure everything in one interleaved run and write it to docs/: `make bench`.
 
 A round makes every measurement once, one after the other, and begins with another one each time;
 ratios are taken within a round, and what is written is the median over the rounds.
@@ -12,7 +12,6 @@ import warnings
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
 from benchmarks import envpool_steps, report, runs, steps
 from benchmarks.measure import FULL, POPULATION, QUICK, Measurement, Scale, run_spec_of
@@ -100,13 +99,6 @@ def _prepare(
     return measurements
 
 
-class _Parser(argparse.ArgumentParser):
-    """Complains as the other commands do."""
-
-    def error(self, message: str) -> NoReturn:
-        raise UserError(f"{message} ({self.prog} --help says more)")
-
-
 def _tasks(text: str) -> list[str]:
     tasks = text.split(",")
     for task in tasks:
@@ -116,12 +108,7 @@ def _tasks(text: str) -> list[str]:
 
 
 def _arguments(command_line: Sequence[str] | None) -> argparse.Namespace:
-    parser = _Parser(
-        prog="neol bench",
-        description=__doc__,
-        epilog="Examples:\n  neol bench\n  neol bench --quick --tasks cartpole --output quick",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.run", description=__doc__)
     parser.add_argument(
         "--tasks", type=_tasks, default=list(FULL), help="some only, like cartpole,hopper"
     )

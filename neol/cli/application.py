@@ -14,7 +14,7 @@ from neol.base.errors import INTERRUPTED, UserError
 COMMANDS = {
     "Running": ("run", "status"),
     "Looking": ("show", "replay", "compare", "export", "digest", "trace", "config"),
-    "Checking": ("verify", "manifest", "bench"),
+    "Checking": ("verify", "manifest"),
 }
 """The commands as the help lists them."""
 EXIT_CODES = {

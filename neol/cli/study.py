@@ -1,11 +1,10 @@
-"""Commands of the study: compare records, trace a table, benchmark."""
+"""Commands of the study: compare records, trace a table."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from neol.base.errors import UserError
 from neol.cli.application import app, check_output, examples
 
 PIPED_WIDTH = 10_000
@@ -21,19 +20,6 @@ def trace(
 
     for line in trace(output):
         print(line)
-
-
-@app.command(
-    add_help_option=False,  # its options are those of benchmarks.run, which has a help of its own
-    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-)
-def bench(context: typer.Context) -> None:
-    """Measure every engine beside physics and a peer, in a checkout."""
-    try:
-        from benchmarks.run import main
-    except ModuleNotFoundError as error:
-        raise UserError(f"no module {error.name}: benchmarks run in a checkout") from None
-    main(context.args)
 
 
 @app.command(

@@ -199,9 +199,3 @@ def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:
 def test_an_environment_that_returns_nan_does_not_stop_a_run(tmp_path: Path) -> None:
     assert neol(f"run {TINY} --task gym:NaNReward-v0 --output a.parquet").exit_code == 0
     assert read_record(tmp_path / "a.parquet").table["failed_evaluations"][-1].as_py() > 0
-
-
-def test_bench_takes_the_options_of_the_benchmarks() -> None:
-    assert "Examples:\n  neol bench\n" in neol("bench --help").stdout
-    assert 'unknown task "hoper", did you mean "hopper"?' in refused("bench --tasks hopper,hoper")
-    assert "(neol bench --help says more)" in refused("bench --rounds many")

@@ -71,7 +71,7 @@ def test_help_and_version() -> None:
     assert re.fullmatch(r"neol (\d+\.\d+\.\d+|\(not installed\))\n", version)
 
 
-@pytest.mark.parametrize("command", ["", *(name for name in NAMES if name != "bench")])
+@pytest.mark.parametrize("command", ["", *NAMES])
 def test_help_needs_nothing_heavy(command: str) -> None:
     script = (
         "import sys; from neol.cli import app\n"
@@ -83,7 +83,7 @@ def test_help_needs_nothing_heavy(command: str) -> None:
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, cwd=ROOT)
 
 
-@pytest.mark.parametrize("command", [name for name in NAMES if name != "bench"])
+@pytest.mark.parametrize("command", NAMES)
 def test_options_of_one_name_mean_the_same(command: str) -> None:
     described = re.findall(r"^  (--[\w-]+)(?:.*?)  +(\w.*)$", page(command), re.MULTILINE)
     for option, text in described:
@@ -93,10 +93,7 @@ def test_options_of_one_name_mean_the_same(command: str) -> None:
 
 @pytest.mark.slow
 def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One after the other, in a folder that has the shipped records and one table.
-
-    But for those of `bench`, which measures for minutes.
-    """
+    """One after the other, in a folder that has the shipped records and one table."""
     made_up = configuration()
     write_campaign(tmp_path / "made_up", made_up, {})
     table1(Campaign(made_up, tmp_path / "made_up")).write(tmp_path / "figures")
@@ -105,7 +102,7 @@ def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.chdir(tmp_path)
     for command in NAMES:
         assert examples(command), command
-        for example in examples(command) if command != "bench" else ():
+        for example in examples(command):
             outcome = CliRunner().invoke(app, shlex.split(example))
             assert outcome.exit_code == 0, (example, outcome.output, outcome.exception)
 
