@@ -19,7 +19,6 @@ localrules:
     records,
     report,
     kept,
-    elsewhere,
 
 
 onsuccess:
@@ -28,10 +27,6 @@ onsuccess:
 
 onerror:
     tidy()
-
-
-wildcard_constraints:
-    elsewhere=ELSEWHERE,
 
 
 rule all:
@@ -75,7 +70,7 @@ rule run:
     benchmark:
         "logs/{record}.tsv"
     wildcard_constraints:
-        record=rf"(?!(?:{KEPT})\.parquet$){re.escape(READING)}/{BUDGET}/.+",
+        record=NEEDED,
     conda:
         "environment.yml"
     threads: 1
@@ -131,10 +126,3 @@ for notebook, together in by_notebook(exhibits(CONFIGURATION.budget)).items():
             "-p results ../results -p output {params.output} {input.notebook} {output.notebook} && "
             "python -m nbconvert --to html {output.notebook}) > {log} 2>&1; "
             "(grep '^neol: ' {log} || true) >&2"
-
-
-rule elsewhere:
-    input:
-        ask_otherwise,
-    output:
-        "{elsewhere}",

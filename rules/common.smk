@@ -1,13 +1,11 @@
 """What all rules share: the budget, its runs, and what each notebook makes."""
 
-import re
 import sys
 from glob import glob
 from pathlib import Path
 
 from neol.base.errors import UserError
 from neol.run.workspace import remove_if_complete
-from neol.spec.configuration import budgets
 from neol.spec.readings import with_changes
 from neol.study.campaign.cost import walltime_minutes
 from neol.study.campaign.grid import blocks
@@ -49,12 +47,11 @@ READING = CONFIGURATION.reading
 LABEL, FIGURES = label(CONFIGURATION), str(figures_folder(CONFIGURATION))
 # Where executed notebooks and what the workflow says lie.
 PLACE = full_label(CONFIGURATION)
-if FIGURES == "figures":
-    RESULTS_PAGE = "docs/results.md"
-    ELSEWHERE = r"docs/results-.+\.md|figures/.+/.+"
-else:
-    RESULTS_PAGE = f"docs/results-{LABEL.replace('/', '-')}.md"
-    ELSEWHERE = rf"docs/results(?!-{re.escape(LABEL.replace('/', '-'))}\.).*\.md|paper/reproduction\.pdf|figures/(?!{re.escape(LABEL)}/).+"
+RESULTS_PAGE = (
+    "docs/results.md"
+    if FIGURES == "figures"
+    else f"docs/results-{LABEL.replace('/', '-')}.md"
+)
 ALIVE = clear_stale_locks()
 BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
@@ -71,17 +68,13 @@ def tidy():
 
 
 REASONS = {path: job.reason() for path, job in JOBS.items()}
+NEEDED = pattern(job.record for path, job in JOBS.items() if REASONS[path])
 KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
 
 
 def job(wildcards):
     """The job that makes a record."""
-    path = f"results/{wildcards.record}.parquet"
-    if path not in JOBS:
-        sys.exit(
-            f"neol: {path}: {LABEL} has no such record, {next(iter(JOBS))} is its first"
-        )
-    return JOBS[path]
+    return JOBS[f"results/{wildcards.record}.parquet"]
 
 
 def run_minutes(wildcards):
@@ -139,18 +132,3 @@ def captioned(path, exhibit):
         return path
     labels = {"caption": exhibit.caption}
     return report(path, category=exhibit.group.title, labels=labels)
-
-
-def ask_otherwise(wildcards):
-    """Refuse what another budget or reading shows, and say what to ask for."""
-    path = Path(wildcards.elsewhere)
-    page = path.parent == Path("docs")
-    place = path.with_suffix("") if page else path.parent
-    reading, budget = "(?:([^/]+)/)?", f"({'|'.join(budgets())})(?:-(.+))?"
-    other = re.fullmatch(f"(?:figures/|docs/results-)({reading}{budget})", str(place))
-    if other and other[1] not in (LABEL, DEFAULT_BUDGET):
-        chosen = zip(("reading", "budget", "tasks"), other.groups()[1:], strict=True)
-        options = " ".join(f"{name}={value}" for name, value in chosen if value)
-        sys.exit(f"neol: {path} needs --config {options}")
-    wanted = RESULTS_PAGE if page else f"{FIGURES}/{path.name}"
-    sys.exit(f"neol: {path} does not show {LABEL}: ask for {wanted}")
