@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.trajectories import Recording, record
-from neol.neat.genome import decode
+from neol.neat.decoding import decode
 from neol.network.forward import ACTIVATIONS, Networks
 from neol.random.seeds import episode_seeds
 from neol.rollout.engine import Engine

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from neol.champions.player import Player
-from neol.neat.genome import Pool, decode
+from neol.neat.decoding import decode
+from neol.neat.genome import Pool
 from neol.network.forward import Networks
 
 Edge = tuple[int, int]

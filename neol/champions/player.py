@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.base.errors import UserError
-from neol.neat.genome import Genome, Pool, decode
+from neol.neat.decoding import decode
+from neol.neat.genome import Genome, Pool
 from neol.network.forward import Networks
 from neol.random.seeds import held_out_seeds
 from neol.rollout import make_engine

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from neol.base.kernel import kernel
 from neol.neat.genome import CONNECTION, NODE, Pool
 from neol.neat.innovations import Innovations
-from neol.neat.values import Values, mutate_values
+from neol.neat.values import ValueRates, mutate_values
 from neol.neat.variation import (
     RANDOM_PARENT,
     REDRAW_IF_DISABLED,
@@ -49,8 +49,8 @@ class Rates(NamedTuple):
     remove_connection: float
     remove_node: float
     mutate_enabled: float
-    weight: Values
-    bias: Values
+    weight: ValueRates
+    bias: ValueRates
     draws_new_bias: bool
 
     @classmethod
@@ -73,8 +73,10 @@ class Rates(NamedTuple):
             neat.remove_connection_rate,
             neat.remove_node_rate,
             neat.enabled_mutate_rate,
-            Values(neat.weight_init_sd, neat.weight_limit, *weight_rates, neat.weight_mutate_power),
-            Values(neat.bias_init_sd, neat.bias_limit, *bias_rates, neat.bias_mutate_power),
+            ValueRates(
+                neat.weight_init_sd, neat.weight_limit, *weight_rates, neat.weight_mutate_power
+            ),
+            ValueRates(neat.bias_init_sd, neat.bias_limit, *bias_rates, neat.bias_mutate_power),
             neat.new_node_bias == "drawn",
         )
 

@@ -9,7 +9,7 @@ from neol.base.kernel import kernel
 from neol.random.pcg64 import State, next_double, standard_normals
 
 
-class Values(NamedTuple):
+class ValueRates(NamedTuple):
     """How weights, or biases, are made and mutated."""
 
     init_sd: float
@@ -20,7 +20,7 @@ class Values(NamedTuple):
 
 
 @kernel
-def mutate_values(values: npt.NDArray[np.float64], rates: Values, random: State) -> None:
+def mutate_values(values: npt.NDArray[np.float64], rates: ValueRates, random: State) -> None:
     """Perturb or replace some weights or biases in place (lines 22-27)."""
     if rates.mutate_rate + rates.replace_rate == 0.0:
         return
@@ -34,7 +34,7 @@ def mutate_values(values: npt.NDArray[np.float64], rates: Values, random: State)
 
 
 @kernel
-def draw_values(values: npt.NDArray[np.float64], rates: Values, random: State) -> None:
+def draw_values(values: npt.NDArray[np.float64], rates: ValueRates, random: State) -> None:
     """Make all weights or biases anew: normal with mean 0, clipped to their limit."""
     noise = standard_normals(len(values), random)
     for i in range(len(values)):

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from neol.base.kernel import kernel
 from neol.neat.innovations import Innovations, connection_number, split_node
-from neol.neat.values import Values, draw_values
+from neol.neat.values import ValueRates, draw_values
 from neol.random.pcg64 import State, below, next_double
 
 Genes = npt.NDArray[np.void]
@@ -87,7 +87,7 @@ def add_connection(
     connections: Genes,
     inputs: int,
     outputs: int,
-    weight: Values,
+    weight: ValueRates,
     innovations: Innovations,
     random: State,
 ) -> Genes:
@@ -112,7 +112,7 @@ def add_connection(
 def add_node(
     nodes: Genes,
     connections: Genes,
-    bias: Values,
+    bias: ValueRates,
     draws_bias: bool,
     innovations: Innovations,
     random: State,

@@ -17,8 +17,7 @@ import numpy.typing as npt
 
 from neol.base.errors import UserError
 from neol.base.files import read_bounded, write_atomically
-from neol.neat.check import check_genome
-from neol.neat.genome import CONNECTION, NODE, Genome, Pool
+from neol.neat.genome import CONNECTION, NODE, Genome, Pool, check_genome
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.species import Species, SpeciesSet

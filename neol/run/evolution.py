@@ -8,7 +8,8 @@ from typing import Annotated
 import numpy as np
 import numpy.typing as npt
 
-from neol.neat.genome import Genome, Pool, decode, encode_weights
+from neol.neat.decoding import decode, encode_weights
+from neol.neat.genome import Genome, Pool
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
 from neol.neat.species import SpeciesSet, speciate

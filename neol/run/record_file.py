@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from neol.base.errors import UserError, one_line
 from neol.base.files import files_below, open_regular, read_bounded, write_atomically
-from neol.neat.check import check_genome
+from neol.neat.genome import check_genome
 from neol.run.record import SCHEMA, Record, SeedInfo, column_values
 from neol.spec.readings import FIRST_READING
 from neol.spec.run_spec import RunSpec, canonical_json, complete

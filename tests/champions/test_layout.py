@@ -4,7 +4,8 @@ import numpy as np
 
 from neol.champions.layout import edges, graph, layers
 from neol.champions.player import Player
-from neol.neat.genome import CONNECTION, NODE, Genome, Pool, decode
+from neol.neat.decoding import decode
+from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.rollout.reference import network_size
 from neol.spec.configuration import load_configuration
 from neol.spec.observations import NAMES, names

@@ -1,76 +1,61 @@
-"""Decoding genomes into networks, against a plain twin."""
+"""Genomes from files: only well-formed ones pass."""
 
-import math
+from collections.abc import Callable
 
 import numpy as np
-from hypothesis import given, settings
+import pytest
 
-from neol.neat.genome import Genome, Pool, decode, encode_weights
-from neol.neat.population import Population
-from neol.neat.reproduction import Reproduction
-from neol.spec.configuration import load_configuration
-from tests.helpers.genomes import INPUTS, OUTPUTS, genome_of, populations
-from tests.helpers.networks import outputs_of
-
-NETWORK = load_configuration("smoke").network
-OBSERVATION = np.array([0.3, -1.2, 2.0])
+from neol.neat.genome import CONNECTION, NODE, Genome, check_genome
 
 
-def plain_outputs(genome: Genome) -> list[float]:
-    """Activities by recursion over the genes, connections in the order of their innovation."""
-    bias = dict(genome.nodes.tolist())
-
-    def activity(node: int) -> float:
-        if node < INPUTS:
-            return float(OBSERVATION[node])
-        total = bias[node]
-        for _, source, target, weight, enabled in genome.connections.tolist():
-            if target == node and enabled:
-                total += weight * activity(source)
-        return math.tanh(min(max(total, -50.0), 50.0))
-
-    return [activity(output) for output in range(INPUTS, INPUTS + OUTPUTS)]
-
-
-@given(populations)
-@settings(max_examples=60, deadline=None)
-def test_a_decoded_network_computes_what_the_genes_say(
-    grown: tuple[list[Genome], Reproduction],
-) -> None:
-    networks, _ = decode(Pool.of(grown[0]), INPUTS, OUTPUTS, NETWORK)
-    assert networks.population == len(grown[0])
-    for index, genome in enumerate(grown[0]):
-        assert outputs_of(networks, index, OBSERVATION).tolist() == plain_outputs(genome)
-
-
-@given(populations)
-@settings(max_examples=30, deadline=None)
-def test_weights_go_back_to_the_genes_they_came_from(
-    grown: tuple[list[Genome], Reproduction],
-) -> None:
-    population = Population.of(grown[0])
-    networks, gene = decode(population.pool, INPUTS, OUTPUTS, NETWORK)
-    encode_weights(population.pool, gene, networks.weight + 1.0)
-    for genome, before in zip(population, grown[0], strict=True):
-        old, enabled = before.connections["weight"], before.connections["enabled"]
-        assert (genome.connections["weight"] == np.where(enabled, old + 1.0, old)).all()
-
-
-def test_a_network_by_hand() -> None:
-    """0 -> 6 -> 5 -> 3, 1 -> 3 disabled, 2 -> 4: node 6 comes before node 5."""
-    genome = genome_of(
-        [
-            (0, 0, 6, 0.1, True),
-            (1, 1, 3, 0.2, False),
-            (2, 6, 5, 0.3, True),
-            (3, 5, 3, 0.4, True),
-            (4, 2, 4, 0.5, True),
-        ],
-        hidden=[5, 6],
+def genome() -> Genome:
+    """Two inputs (0, 1), one output (2), two hidden nodes in a row (3, 4)."""
+    connections = [
+        (0, 0, 2, 0.5, True),
+        (1, 1, 2, 0.5, False),
+        (2, 1, 3, 1.0, True),
+        (3, 3, 4, 0.5, True),
+        (4, 4, 2, 0.5, False),
+    ]
+    return Genome(
+        7,
+        np.array([(2, 0.0), (3, 0.1), (4, 0.2)], dtype=NODE),
+        np.array(connections, dtype=CONNECTION),
     )
-    networks, gene = decode(Pool.of([genome]), INPUTS, OUTPUTS, NETWORK)
-    assert networks.node_offset.tolist() == [0, 4]
-    assert networks.edge_offset.tolist() == [0, 1, 2, 3, 4]  # nodes 6, 5, 3, 4
-    assert networks.source.tolist() == [0, 3, 4, 2]
-    assert networks.weight.tolist() == [0.1, 0.3, 0.4, 0.5]
-    assert gene.tolist() == [0, 2, 3, 4]
+
+
+def test_a_well_formed_genome_passes() -> None:
+    check_genome(genome(), 2, 1)
+
+
+def put(column: str, place: int, value: float) -> Callable[[Genome], None]:
+    def change(broken: Genome) -> None:
+        genes = broken.nodes if column in NODE.names else broken.connections  # type: ignore[operator]
+        genes[column][place] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (put("id", 2, 3), "nodes are not in order"),
+        (put("id", 0, 1), "output nodes are missing"),
+        (put("id", 2, 2**40), "a node id is too large"),
+        (put("innovation", 4, 3), "connections are not in order"),
+        (put("innovation", 0, -1), "connections are not in order"),
+        (put("source", 0, 5), "comes from nowhere"),
+        (put("source", 0, 2), "comes from nowhere"),
+        (put("source", 0, -1), "comes from nowhere"),
+        (put("target", 0, 0), "leads nowhere"),
+        (put("weight", 0, np.nan), "not finite"),
+        (put("bias", 0, np.inf), "not finite"),
+        (put("target", 4, 3), "cycle"),
+        (put("target", 3, 3), "cycle"),
+    ],
+)
+def test_a_broken_genome_is_refused(change: Callable[[Genome], None], reason: str) -> None:
+    broken = genome()
+    change(broken)
+    with pytest.raises(ValueError, match=f"genome 7: .*{reason}"):
+        check_genome(broken, 2, 1)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 from neol.base.errors import UserError
-from neol.neat.genome import decode
+from neol.neat.decoding import decode
 from neol.network.forward import ACTIVATIONS, Networks
 from neol.network.rules import NO_RULE, RULES
 from neol.rollout import Engine, Rollouts, make_engine
