@@ -63,7 +63,7 @@ def play(task: Task, networks: Networks, environments: int, calls: int) -> Play:
     ended = np.zeros(environments, dtype=np.bool_)
     actions, steps = [], 0
     for _ in range(calls):
-        chosen = player % len(networks)
+        chosen = player % networks.population
         sums = np.einsum("eoi,ei->eo", weight[chosen], observation) + bias[chosen]
         actions.append(_actions(pool.action_space, np.tanh(sums)))
         observation, _, terminated, truncated, _ = pool.step(actions[-1])
@@ -109,7 +109,7 @@ def _actions(space: Any, outputs: Array) -> npt.NDArray[Any]:
 
 def _matrices(networks: Networks) -> tuple[Array, Array]:
     """Weights, float64[P, outputs, inputs], and biases, float64[P, outputs]."""
-    nodes, shape = len(networks.bias), (len(networks), networks.outputs)
+    nodes, shape = len(networks.bias), (networks.population, networks.outputs)
     assert nodes == np.prod(shape), "no hidden nodes"
     weight = np.zeros((nodes, networks.inputs))
     target = np.repeat(np.arange(nodes), np.diff(networks.edge_offset))

@@ -22,8 +22,8 @@ _LABELS = {
     "reference": "neol, reference engine",
     "peer": "peer, whole run (neat-python)",
 }
-_PART_COLOURS = ("#0072B2", "#56B4E9", "#000000", "#999999", "#E69F00", "#F0E442")
-_PART_LABELS = ("network", "plasticity", "physics", "rest of the environment", "NEAT", "other")
+_PART_COLOURS = ("#0072B2", "#56B4E9", "#999999", "#E69F00", "#F0E442")
+_PART_LABELS = ("network", "plasticity", "environment", "NEAT", "other")
 
 
 def plot(table: Table, path: Path) -> None:

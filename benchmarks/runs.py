@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from benchmarks.measure import METHOD, POPULATION, Measurement, Values, cpu_seconds, run_spec_of
 from benchmarks.networks import join
-from benchmarks.trajectories import record, seconds_of_physics
+from benchmarks.trajectories import record
 from neol.neat.reproduction import Reproduction
 from neol.network.forward import Networks
 from neol.rollout import Engine, Rollouts, make_engine
@@ -91,8 +91,8 @@ def whole_run_measurements(spec: RunSpec, engine: Engine) -> dict[str, Measureme
 
     `run_seed` is all that `neol run` does but for writing the record. Its time splits into the
     calls of the engine, the calls of NEAT and the rest (statistics, digest, snapshots). To split
-    the engine's part, the episodes of that very run are recorded beforehand: they are played back
-    without a world (network, plasticity), and the physics is stepped without a network.
+    the engine's part, the episodes of that very run are recorded beforehand and played back without
+    a world (network, plasticity).
     """
     from benchmarks import peer as neat_python
 
@@ -130,10 +130,7 @@ def whole_run_measurements(spec: RunSpec, engine: Engine) -> dict[str, Measureme
         per_step = 1e6 / recording.steps
         none = cpu_seconds(lambda: recording.play_back("none"))
         rule = cpu_seconds(lambda: recording.play_back(METHOD))
-        values = {"run_network": none * per_step, "run_plasticity": (rule - none) * per_step}
-        if spec.task.name != "cartpole":
-            values["run_physics"] = seconds_of_physics(recording) * per_step
-        return values
+        return {"run_network": none * per_step, "run_plasticity": (rule - none) * per_step}
 
     return {"ours": ours, "episodes": episodes, "peer": peer}
 

@@ -1,5 +1,6 @@
 """Environment steps: of every engine, of physics and network alone, of the same loop in C."""
 
+import ctypes
 from collections.abc import Callable
 from functools import partial
 
@@ -21,8 +22,12 @@ from benchmarks.trajectories import (
     seconds_of_physics,
     seconds_of_resets,
 )
-from neol.rollout import make_engine
+from neol.rollout import Engine, make_engine
+from neol.rollout.fast import FastEngine
 from neol.rollout.reference import ReferenceEngine, network_size
+from neol.rollout.worlds.box2d import library as box2d
+from neol.rollout.worlds.box2d.environment import Simulation
+from neol.spec.constants import Task
 
 
 def both_recordings(task: str, scale: Scale, generations: int) -> dict[str, Recording]:
@@ -46,6 +51,7 @@ def engine_measurements(recording: Recording) -> dict[str, Measurement]:
     """Microseconds per environment step of everything that can play these episodes."""
     per_step = 1e6 / recording.steps
     reference = ReferenceEngine(recording.task)
+    paths = engines_by_path(recording.task)
     played = (recording.networks, recording.seeds, recording.plasticity)
 
     def playback() -> Values:
@@ -57,6 +63,8 @@ def engine_measurements(recording: Recording) -> dict[str, Measurement]:
         values = {"engine": cpu_seconds(lambda: recording.engine.evaluate(*played)) * per_step}
         if recording.task.name != "cartpole":
             values["physics"] = seconds_of_physics(recording) * per_step
+        for path, engine in paths.items():
+            values[f"engine_{path}"] = cpu_seconds(partial(engine.evaluate, *played)) * per_step
         return values
 
     return {
@@ -67,6 +75,20 @@ def engine_measurements(recording: Recording) -> dict[str, Measurement]:
         "reference": lambda: {
             "reference": cpu_seconds(lambda: reference.evaluate(*played)) * per_step
         },
+    }
+
+
+def engines_by_path(task: Task) -> dict[str, Engine]:
+    """An engine for each path that Box2D's physics can take here; none for other tasks."""
+    if task.environment not in box2d.TASKS:
+        return {}
+    core = box2d.load()
+    assert isinstance(core, ctypes.CDLL)
+    return {
+        path: FastEngine(
+            partial(Simulation, core, task.environment, path, box2d.SLOTS[path]), task.max_steps
+        )
+        for path in box2d.available_paths(core)
     }
 
 

@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from benchmarks.measure import RULES
+from neol.rollout.worlds.box2d.library import PATHS
 from neol.study.campaign.cost import NEAT_POPULATION
 
 Key = tuple[str, str, str]
@@ -22,7 +23,7 @@ TITLES = {
     "hopper": "Hopper",
     "bipedal_walker": "BipedalWalker",
 }
-PARTS = ("network", "plasticity", "physics", "environment", "neat", "other")
+PARTS = ("network", "plasticity", "environment", "neat", "other")
 
 
 def summarise(values: Rounds) -> pd.DataFrame:
@@ -68,20 +69,20 @@ def _engine_ratios(get: Get, networks: str) -> dict[str, Array]:
     if physics.any():
         ratios["engine_over_physics"] = engine / physics
         ratios["steps_over_physics"] = (engine - get("resets", networks)) / physics
+        for path in PATHS:
+            if (on_path := get(f"engine_{path}", networks)).any():
+                ratios[f"engine_{path}_over_physics"] = on_path / physics
     if get("envpool_batch", networks).any():
         fastest = np.minimum(get("envpool_single", networks), get("envpool_batch", networks))
         ratios["engine_over_envpool"] = engine / fastest
-    known = {part: get(part, networks) / engine for part in ("network", "plasticity", "physics")}
+    known = {part: get(part, networks) / engine for part in ("network", "plasticity")}
     known["environment"] = 1.0 - np.sum(list(known.values()), axis=0)
     return ratios | {f"engine_share_{part}": share for part, share in known.items()}
 
 
 def _run_ratios(get: Get) -> dict[str, Array]:
     run = get("run")
-    shares = {
-        part: get(f"run_{part}") / run
-        for part in ("network", "plasticity", "physics", "neat", "other")
-    }
+    shares = {part: get(f"run_{part}") / run for part in ("network", "plasticity", "neat", "other")}
     shares["environment"] = 1.0 - np.sum(list(shares.values()), axis=0)
     steps = get("short_run_late_steps", "hebb")
     generation = get("neat_generation") * 1e-3

@@ -32,6 +32,13 @@ from neol.spec.constants import Plasticity, Task
 Array = npt.NDArray[np.float64]
 
 
+@loop_kernel
+def copy(source: Array, target: Array) -> None:
+    """Copy one row to another."""
+    for i in range(len(target)):
+        target[i] = source[i]
+
+
 class Recorder(NamedTuple):
     """A world of one slot that passes everything on to another one and keeps it."""
 
@@ -50,7 +57,7 @@ class Recorder(NamedTuple):
     @loop_kernel
     def reset(self, slot: int, random: State, observation: Array) -> None:
         self.world.reset(slot, random, observation)
-        self.observation[self.row[0]] = observation[slot]
+        copy(observation[slot], self.observation[self.row[0]])
         self.row[0] += 1
 
     @loop_kernel
@@ -64,7 +71,8 @@ class Recorder(NamedTuple):
     ) -> None:
         self.world.step(playing, outputs, observation, reward, ended)
         row = self.row[0]
-        self.output[row], self.observation[row] = outputs[0], observation[0]
+        copy(outputs[0], self.output[row])
+        copy(observation[0], self.observation[row])
         self.reward[row], self.ended[row] = reward[0], ended[0]
         self.row[0] += 1
 
@@ -85,8 +93,7 @@ class Playback(NamedTuple):
     @loop_kernel
     def reset(self, slot: int, random: State, observation: Array) -> None:
         row = self.row[0]
-        for i in range(observation.shape[1]):
-            observation[slot, i] = self.observation[row, i]
+        copy(self.observation[row], observation[slot])
         self.row[0] = row + 1
 
     @loop_kernel
@@ -99,8 +106,7 @@ class Playback(NamedTuple):
         ended: npt.NDArray[np.bool_],
     ) -> None:
         row = self.row[0]
-        for i in range(observation.shape[1]):
-            observation[0, i] = self.observation[row, i]
+        copy(self.observation[row], observation[0])
         reward[0], ended[0] = self.reward[row], self.ended[row]
         self.row[0] = row + 1
 

@@ -100,8 +100,9 @@ def fast_engine(task: Task, workers: int = 1) -> Engine | str:
         from neol.rollout.worlds.box2d import environment
 
         path = box2d.chosen_path(library)
-        slots = box2d.default_slots(path)
-        make_simulation = partial(environment.Simulation, library, task.environment, path, slots)
+        make_simulation = partial(
+            environment.Simulation, library, task.environment, path, box2d.SLOTS[path]
+        )
     else:
         return "only the reference engine knows it"
     return FastEngine(make_simulation, task.max_steps, workers)

@@ -40,7 +40,7 @@ def test_networks_act_in_envpool_as_in_our_engine(networks: Networks) -> None:
     observation = np.random.default_rng(0).normal(size=(5, 4))
     weight, bias = envpool_steps._matrices(networks)
     sums = np.einsum("eoi,ei->eo", weight, observation) + bias
-    for p in range(len(networks)):
+    for p in range(networks.population):
         values = np.concatenate([observation[p], np.empty(2)])
         first, last = networks.node_offset[p : p + 2]
         forward(

@@ -36,6 +36,8 @@ TASKS = ("LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3")
 """Gymnasium ids in the order of the core's own numbers for them."""
 PATHS = ("plain", "shortcut", "sse2", "avx2", "avx512", "neon")
 """Ways to the same bits, in the order of the core's own numbers for them: see lockstep.hpp."""
+SLOTS = {"plain": 1, "shortcut": 1, "sse2": 8, "avx2": 16, "avx512": 32, "neon": 8}
+"""How many worlds are best held at once, by path: two vectors of them, where there are vectors."""
 PATH_VARIABLE = "NEOL_BOX2D_PATH"
 """Of the environment: names the path to take."""
 
@@ -95,8 +97,3 @@ def chosen_path(library: ctypes.CDLL) -> str:
             f'{PATH_VARIABLE}: no path "{path}" on this machine; choose {", ".join(available)}'
         )
     return path
-
-
-def default_slots(path: str) -> int:
-    """How many worlds are best held at once: measured; one by one they fill no lanes."""
-    return 1 if path in ("plain", "shortcut") else 16
