@@ -4,6 +4,7 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(CURDIR)/$(VENV)/bin
 RUN    := PATH="$(BIN):$$PATH"
+PYTEST := pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SHELL  := /bin/bash
 
 # Written last, so that an interrupted set-up is never taken for a complete one.
@@ -11,7 +12,7 @@ ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report docs lab test search bench lock clean FORCE
+.PHONY: help environment report docs lab lint check test search bench lock clean FORCE
 .DELETE_ON_ERROR:
 
 help:
@@ -19,6 +20,7 @@ help:
 	@echo 'make report               everything on one page: figures/report.html'
 	@echo 'make docs                 the documentation as a site: build/site/index.html'
 	@echo 'make lab                  play: opens notebooks/explore.ipynb in JupyterLab'
+	@echo 'make check                style, types and the fast tests, in under a minute'
 	@echo 'make test                 all checks and tests'
 	@echo 'make search              which readings of the paper make its baselines: many hours of runs (docs/readings-plan.md)'
 	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
@@ -40,20 +42,25 @@ lab: $(READY)
 	$(RUN) jupyter lab --LabApp.default_url=/lab/tree/notebooks/explore.ipynb \
 	    --FileContentsManager.pre_save_hook=neol.study.explore.saving.without_outputs
 
-test: $(READY)
+lint: $(READY)
 	$(RUN) ruff check
 	$(RUN) ruff format --check
 	$(RUN) mypy
-	$(RUN) snakemake --lint
 	$(RUN) snakefmt --check Snakefile rules
-	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
-	$(RUN) pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
-# neat-python (the peer) and EnvPool are no dependencies of the library: they are installed here only.
+check: lint
+	$(RUN) $(PYTEST) -m 'not slow'
+
+test: lint
+	$(RUN) snakemake --lint
+	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
+	$(RUN) $(PYTEST)
+
 # In the order of config/search/candidates.yaml; what is done is not done again.
 search: $(READY)
 	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.search search | xargs --max-lines=1 snakemake'
 
+# neat-python (the peer) and EnvPool are no dependencies of the library: they are installed here only.
 bench: $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	    --requirement benchmarks/requirements.lock

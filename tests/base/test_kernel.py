@@ -30,12 +30,14 @@ def cache_of_a_process(**environment: str) -> Path:
     return Path(done.stdout.strip())
 
 
+@pytest.mark.slow
 def test_kernels_are_cached_under_the_digest_of_their_sources(tmp_path: Path) -> None:
     folder = cache_of_a_process(NUMBA_CACHE_DIR=str(tmp_path))
     assert folder == tmp_path / f"kernels-{source_digest()}"
     assert list(folder.rglob("forward.activate-*.nbc"))
 
 
+@pytest.mark.slow
 def test_a_cache_that_cannot_be_written_is_made_elsewhere_and_found_again(tmp_path: Path) -> None:
     blocked = tmp_path / "a file"
     blocked.touch()
@@ -80,6 +82,7 @@ def test_an_unknown_user_without_a_home_has_a_cache(
     assert _cache_folder().parent == tmp_path / f"neol-{os.getuid()}"
 
 
+@pytest.mark.slow
 def test_long_unused_caches_are_removed(tmp_path: Path) -> None:
     old, recent = tmp_path / "kernels-old", tmp_path / "kernels-recent"
     for folder in (old, recent):
@@ -119,6 +122,7 @@ print(len(calls))
 """
 
 
+@pytest.mark.slow
 def test_no_kernel_calls_python_for_what_it_returns() -> None:
     """There numba does not expect an exception, and a signal's handler may raise one."""
     done = subprocess.run(

@@ -90,6 +90,7 @@ def test_each_path_through_box2d_has_its_target(tmp_path: Path) -> None:
     assert row in page
 
 
+@pytest.mark.slow
 def test_what_the_shipped_budgets_took_is_what_their_records_say() -> None:
     page = (ROOT / "docs" / "scaling.md").read_text(encoding="utf-8")
     assert f"\n{spent('desk')}\n" in page
@@ -97,6 +98,7 @@ def test_what_the_shipped_budgets_took_is_what_their_records_say() -> None:
     assert f"\n{cartpole}\n" in page
 
 
+@pytest.mark.slow
 def test_scaling_is_written_between_its_markers(tmp_path: Path) -> None:
     (tmp_path / "scaling.md").write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
     write(tmp_path, summarise(made_up("lunar_lander")), ABOUT)

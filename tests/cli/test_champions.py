@@ -143,6 +143,7 @@ def test_replay_in_a_window() -> None:
     assert ran.returncode == 0, ran.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
 def test_show_draws(kind: str, tmp_path: Path) -> None:
     outcome = neol(f"show a.parquet --output a.{kind}")
@@ -150,6 +151,7 @@ def test_show_draws(kind: str, tmp_path: Path) -> None:
     assert len((tmp_path / f"a.{kind}").read_bytes()) > 5000
 
 
+@pytest.mark.slow
 def test_show_draws_learning(tmp_path: Path) -> None:
     assert neol("show a.parquet --plasticity --episode 2 --seed 4").exit_code == 0
     width, height = Image.open(tmp_path / "champion.png").size

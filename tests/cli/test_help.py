@@ -71,6 +71,7 @@ def test_help_and_version() -> None:
     assert re.fullmatch(r"neol (\d+\.\d+\.\d+|\(not installed\))\n", version)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["", *NAMES])
 def test_help_needs_nothing_heavy(command: str) -> None:
     script = (
@@ -129,6 +130,7 @@ def completions(line: str) -> list[str]:
     return done.stdout.split()
 
 
+@pytest.mark.slow
 def test_bash_completes_commands_options_and_values() -> None:
     assert completions("neol ma") == ["manifest"]
     assert completions("neol run --meth") == ["--method"]
@@ -136,6 +138,7 @@ def test_bash_completes_commands_options_and_values() -> None:
     assert completions("neol config --budget ") == budgets()
 
 
+@pytest.mark.slow
 def test_a_completion_script_is_shown() -> None:
     disabled = {"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}  # the shell may be any
     done = subprocess.run(

@@ -44,6 +44,7 @@ def assert_refused(command: str, reason: str, prepare: Prepare = lambda: None) -
     return Path(path.split()[-1]).name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("checkpoints", "room", "file"),
     [(2, 0, "seed_000000.npz"), (99, 0, "seed_000000.parquet"), (99, -200, "run.parquet")],
@@ -71,6 +72,7 @@ def full_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", "--lazy", folder], check=True)
 
 
+@pytest.mark.slow
 def test_a_disk_that_is_full(full_disk: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     expected = undisturbed(SHORT)
     monkeypatch.chdir(full_disk)
@@ -86,6 +88,7 @@ def test_a_disk_that_is_full(full_disk: Path, monkeypatch: pytest.MonkeyPatch) -
     assert {"seed_000000.npz", "seed_000001.npz"} <= set(files)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a system without a full device")
 @pytest.mark.parametrize("command", ["config", "--version"])
 def test_a_disk_that_is_full_behind_what_is_printed(command: str) -> None:
@@ -104,6 +107,7 @@ def powerless() -> None:
         os.setuid(65534)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("begun", [False, True])
 def test_a_read_only_folder(begun: bool, tmp_path: Path) -> None:
     expected = undisturbed(SHORT)

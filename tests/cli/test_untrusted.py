@@ -124,6 +124,7 @@ KINDS: dict[str, tuple[str, str, Read]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @fuzz
 @given(data=st.data())
@@ -142,6 +143,7 @@ def values(path: Path) -> Json:
     return parse_yaml(path.read_text(), path.name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["manifest", "sidecar", "configuration", "claims"])
 @fuzz
 @given(data=st.data())
@@ -154,6 +156,7 @@ def test_wrong_values_load_or_give_one_clear_error(
     survive(lambda: read(path))
 
 
+@pytest.mark.slow
 @fuzz
 @given(data=st.data())
 def test_sealed_records_load_or_give_one_clear_error(
@@ -174,6 +177,7 @@ def test_sealed_records_load_or_give_one_clear_error(
     assert all(str(finding) for each in checked for finding in each.findings)
 
 
+@pytest.mark.slow
 @fuzz
 @given(data=st.data())
 def test_sealed_checkpoints_load_or_give_one_clear_error(
@@ -223,6 +227,7 @@ def test_a_folder_is_a_name_or_gives_one_clear_error(name: Any) -> None:
     survive(lambda: folder(name))
 
 
+@pytest.mark.slow
 @fuzz
 @given(
     values=st.dictionaries(st.sampled_from(["budget", "results", "output"]), HOSTILE | st.text())

@@ -72,6 +72,7 @@ def test_an_episode_is_a_function_of_seed_and_network(name: str) -> None:
         assert (alone.weight == whole.weight[bounds[index] : bounds[index + 1]]).all()
 
 
+@pytest.mark.slow
 def test_workers_return_the_same_bits() -> None:
     task = task_of("cartpole", max_steps=200)
     networks = random_networks(np.random.default_rng(3), 20, 4, 2)

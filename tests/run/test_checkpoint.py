@@ -137,6 +137,7 @@ def test_truncated_anywhere_is_refused(content: bytes, tmp_path: Path) -> None:
             checkpoint.load(path, run_spec())
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(data=st.data())
 def test_damaged_anywhere_is_refused_or_the_same(

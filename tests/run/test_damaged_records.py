@@ -30,6 +30,7 @@ def test_truncated_anywhere_is_refused(content: bytes, tmp_path: Path) -> None:
             read_record(path)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(data=st.data())
 def test_damaged_anywhere_is_refused_or_the_same(

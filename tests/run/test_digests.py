@@ -34,6 +34,9 @@ RUNS = [
     *(("cartpole", method) for method in METHODS),
     *((task, method) for task in ("hopper", *BOX2D_TASKS) for method in ("neat", "bcm")),
 ]
+CASES = [
+    pytest.param(*run, marks=pytest.mark.slow if "bipedal_walker" in run[0] else ()) for run in RUNS
+]
 SAME_LAST_BITS = platform.machine() == "x86_64" and platform.libc_ver()[0] == "glibc"
 
 BUSY = ["neat.add_node_rate=0.5", "neat.compatibility_threshold=1.0"]
@@ -63,7 +66,7 @@ def digest_of(
     return evolution.digest, engine.name
 
 
-@pytest.mark.parametrize(("task", "method"), RUNS)
+@pytest.mark.parametrize(("task", "method"), CASES)
 def test_either_engine_gives_the_same_trajectory(task: str, method: str) -> None:
     require_core()
     fast, reference = digest_of(task, method, "fast"), digest_of(task, method, "reference")
@@ -72,7 +75,7 @@ def test_either_engine_gives_the_same_trajectory(task: str, method: str) -> None
 
 @pytest.mark.skipif(not SAME_LAST_BITS, reason="the digests were made on x86-64 Linux with glibc")
 @pytest.mark.parametrize("reading", READINGS)
-@pytest.mark.parametrize(("task", "method"), RUNS)
+@pytest.mark.parametrize(("task", "method"), CASES)
 def test_known_digests(task: str, method: str, reading: str) -> None:
     known = json.loads(KNOWN.read_text())[reading]
     assert digest_of(task, method, "reference", reading)[0] == known[f"{task} {method}"]
@@ -92,6 +95,7 @@ def test_every_path_of_the_physics_gives_the_known_digest(
     assert played(task, "bcm", "fast") == (known[f"{task} bcm"], "fast")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", BOX2D_TASKS)
 def test_without_the_core_the_reference_engine_serves(
     task: str,

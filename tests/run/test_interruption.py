@@ -163,6 +163,7 @@ def test_terminated_when_all_is_done_is_done(monkeypatch: pytest.MonkeyPatch) ->
 # --- Two at once --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_on_the_same_output() -> None:
     expected = undisturbed(MANY)
     first = Child(MANY)

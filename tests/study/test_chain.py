@@ -226,6 +226,7 @@ EXPECTED = {
 }
 
 
+@pytest.mark.slow
 def test_the_claims_come_out_as_the_runs_were_made(tmp_path: Path) -> None:
     tasks = ("cartpole", "lunar_lander", "hopper", "bipedal_walker")
     constants = configuration(tasks=tasks, generations=3, seeds=len(SEEDS))

@@ -53,6 +53,7 @@ def test_tables_have_a_column_before_neat(campaign: Campaign) -> None:
     assert table4(campaign).lines[0].entries[3].text == "pop=12, lr=0.25"
 
 
+@pytest.mark.slow
 def test_figures_draw_it(campaign: Campaign, tmp_path: Path) -> None:
     budget, outcomes = campaign.configuration.budget, gather(campaign)
     titles = [axis.get_title() for axis in heatmap(4, campaign).figure.axes]

@@ -20,6 +20,7 @@ def stand(observation: Array) -> Array:
     return np.clip(STANDING @ observation, -1.0, 1.0)
 
 
+@pytest.mark.slow
 def test_equal_to_gymnasium_at_every_step() -> None:
     environment = gymnasium.make("Hopper-v4")
     simulation = hopper.Simulation()

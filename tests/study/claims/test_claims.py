@@ -62,6 +62,7 @@ class TestWhatCannotBeDecided:
 
 
 class TestLedger:
+    @pytest.mark.slow
     def test_the_papers_claims_load_and_each_has_parts(self) -> None:
         claims = load_claims()
         assert len(claims) >= 25

@@ -195,6 +195,7 @@ class TestPeak:
         assert verdict(self.VALUES, **test, margin=4) == "supported"
         assert verdict(self.VALUES, **self.TEST, where={"learning_rates": [0.2]}) == "contradicted"
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("inside", ["one cell", "all but one"])
     def test_where_nothing_differs_noise_seldom_decides(self, inside: str) -> None:
         """Of many noisy cells one is always the highest; that must count neither way."""

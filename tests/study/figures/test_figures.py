@@ -186,11 +186,13 @@ def test_cells_that_lack_seeds_are_hatched_and_counted() -> None:
     assert "Hatched: 2 of 6 cells lack seeds." in footer(figure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("table", [runs().assign(value=500.0), runs().iloc[:0]])
 def test_degenerate_heatmaps_can_be_drawn(table: pd.DataFrame, tmp_path: Path) -> None:
     save(draw_heatmaps(table), tmp_path / "figure4")
 
 
+@pytest.mark.slow
 def test_files_repeat_byte_for_byte(tmp_path: Path) -> None:
     for name in ("first", "second"):
         save(draw_curves(curves()), tmp_path / name)

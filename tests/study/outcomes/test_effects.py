@@ -112,6 +112,7 @@ def test_score_grows_with_the_population_where_efficiency_does_not(tmp_path: Pat
     assert by_population[12] == pytest.approx(2 * by_population[6])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("runs", ["none", "one", "all equal"])
 def test_degenerate_runs_can_be_drawn(runs: str, tmp_path: Path) -> None:
     seeds = {"none": [None] * 3, "one": [1.0, None, None], "all equal": [1.0] * 3}[runs]

@@ -62,6 +62,7 @@ input()
 """
 
 
+@pytest.mark.slow
 def test_locks_are_cleared_once_nobody_lives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

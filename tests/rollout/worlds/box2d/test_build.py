@@ -76,6 +76,7 @@ def test_a_compiler_that_fails(
     assert list(elsewhere.iterdir()) == NOTHING
 
 
+@pytest.mark.slow
 def test_no_source(
     elsewhere: Path,
     tmp_path: Path,
@@ -90,6 +91,7 @@ def test_no_source(
     assert list(elsewhere.iterdir()) == NOTHING
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("library")
 def test_only_a_library_that_plays_like_gymnasium_is_kept(
     elsewhere: Path, monkeypatch: pytest.MonkeyPatch

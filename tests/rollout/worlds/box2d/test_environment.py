@@ -61,6 +61,7 @@ def play(library: ctypes.CDLL, task: str, episodes: range, limit: int) -> None:
         compare_episode(slot, peer, seed, policy)
 
 
+@pytest.mark.slow
 def test_lunar_lander_equals_gymnasium(library: ctypes.CDLL) -> None:
     play(library, LANDER, range(360), 1000)
 
@@ -120,6 +121,7 @@ def test_an_episode_depends_on_nothing_beside_it(library: ctypes.CDLL, task: str
     compare_episode(slot, peer, 1, disturbed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", PATHS)
 def test_a_failed_assertion_of_box2d_ends_its_own_episode_alone(
     library: ctypes.CDLL, path: str
