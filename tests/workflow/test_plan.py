@@ -203,4 +203,4 @@ def test_what_cannot_be_made_is_refused_in_one_line(
 def test_what_is_not_of_what_is_shown_has_no_rule(clone: Path, arguments: list[str]) -> None:
     result = snakemake(clone, "--dry-run", *arguments)
     assert result.returncode != 0
-    assert f"No rule to produce {arguments[0]}" in result.stderr
+    assert f"No rule to produce {arguments[0]}" in result.stdout
