@@ -1,6 +1,6 @@
 """Checkpoints: a run in progress as one file, from which it goes on bit for bit.
 
-The file is an .npz without pickles: the genomes' genes end to end, the species, the history, the
+The file is an .npz without pickles: a structured array for each kind of thing, `LAYOUT`, the
 counters as JSON, and a digest over all of it.
 """
 
@@ -8,26 +8,39 @@ import hashlib
 import io
 import json
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.recfunctions import repack_fields
 
 from neol.base.errors import UserError
 from neol.base.files import read_bounded, write_atomically
-from neol.neat.genome import CONNECTION, NODE, Genome, Pool, check_genome
+from neol.neat.genome import CONNECTION, NODE, Genome, check_genome
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.species import Species, SpeciesSet
-from neol.run.evolution import COLUMNS, Evolution, Generation
+from neol.run.evolution import Evolution, Generation
 from neol.spec.run_spec import RunSpec
 
-FORMAT = "neol checkpoint 1"
+FORMAT = "neol checkpoint 2"
 MAX_BYTES = 2**30
 
 Arrays = dict[str, npt.NDArray[Any]]
+LAYOUT = {
+    "genomes": np.dtype([("id", int), ("fitness", float), ("nodes", int), ("connections", int)]),
+    "nodes": NODE,
+    "connections": repack_fields(CONNECTION),  # without padding, whose bytes would be any
+    "species": np.dtype(
+        [("id", int), ("best_fitness", float), ("stagnant", int), ("members", int)]
+    ),
+    "members": np.dtype(int),
+    "history": np.dtype(list(get_type_hints(Generation).items())),
+}
+"""Genomes are the population's, then the species' representatives. They say how many of the nodes
+and connections are theirs, species how many of the members."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +117,7 @@ def generations(path: Path) -> int:
     """
     try:
         with _opened(read_bounded(path, MAX_BYTES)) as file:
-            return len(file[f"history_{COLUMNS[0]}"])
+            return len(file["history"])
     except Exception:
         return 0
 
@@ -148,25 +161,16 @@ def _pack(evolution: Evolution, cost: Cost) -> Arrays:
         "cpu_seconds": cost.cpu_seconds,
     }
     genomes = [*evolution.population, *(s.representative for s in species)]
-    pool = Pool.of(genomes)
-    integers: dict[str, npt.ArrayLike] = {
-        "genome_id": [genome.id for genome in genomes],
-        "genome_nodes": np.diff(pool.node_offset),
-        "genome_connections": np.diff(pool.connection_offset),
-        "species_id": [s.id for s in species],
-        "species_stagnant": [s.stagnant for s in species],
-        "species_members": [len(s.members) for s in species],
+    contents: dict[str, npt.ArrayLike] = {
+        "genomes": [(g.id, g.fitness, len(g.nodes), len(g.connections)) for g in genomes],
+        "nodes": np.concatenate([g.nodes for g in genomes]),
+        "connections": np.concatenate([g.connections for g in genomes]),
+        "species": [(s.id, s.best_fitness, s.stagnant, len(s.members)) for s in species],
         "members": np.concatenate([s.members for s in species]),
+        "history": [astuple(generation) for generation in evolution.history],
     }
-    return {
-        "meta": np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8),
-        "genome_fitness": np.array([genome.fitness for genome in genomes]),
-        "species_best_fitness": np.array([s.best_fitness for s in species]),
-        **{name: np.array(values, dtype=np.int64) for name, values in integers.items()},
-        **{f"node_{name}": pool.nodes[name] for name in NODE.names or ()},
-        **{f"connection_{name}": pool.connections[name] for name in CONNECTION.names or ()},
-        **{f"history_{c}": np.array([getattr(g, c) for g in evolution.history]) for c in COLUMNS},
-    }
+    arrays = {name: np.array(contents[name], dtype) for name, dtype in LAYOUT.items()}
+    return {"meta": np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays}
 
 
 def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
@@ -174,17 +178,19 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     for name in ("inputs", "outputs", *(key for key in meta if key.startswith("next_"))):
         if type(meta[name]) is not int or not 0 <= meta[name] < 2**62:
             raise ValueError(f"its {name} is {meta[name]!r}")
+    for name, dtype in LAYOUT.items():
+        if arrays[name].dtype != dtype or arrays[name].ndim != 1:
+            raise ValueError(f"its {name} are of another type")
     evolution = Evolution.begin(spec, meta["inputs"], meta["outputs"])
     reproduction = evolution.reproduction
     reproduction.next_genome = meta["next_genome"]
     reproduction.innovations = Innovations.begin(meta["next_innovation"], meta["next_node"])
     genomes = [
-        Genome(int(genome_id), nodes, connections, float(fitness))
-        for genome_id, nodes, connections, fitness in zip(
-            arrays["genome_id"],
-            _split(_structured(arrays, "node", NODE), arrays["genome_nodes"]),
-            _split(_structured(arrays, "connection", CONNECTION), arrays["genome_connections"]),
-            arrays["genome_fitness"],
+        Genome(genome_id, nodes, connections, fitness)
+        for (genome_id, fitness, *_), nodes, connections in zip(
+            arrays["genomes"].tolist(),
+            _split(arrays["nodes"], arrays["genomes"]["nodes"]),
+            _split(arrays["connections"].astype(CONNECTION), arrays["genomes"]["connections"]),
             strict=True,
         )
     ]
@@ -194,38 +200,19 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     founders = genomes[spec.population :]
     if sorted(arrays["members"].tolist()) != list(range(spec.population)):
         raise ValueError("species do not hold each genome once")
-    evolution.species_set = SpeciesSet(
-        [
-            Species(
-                int(species_id),
-                founder,
-                float(best),
-                int(stagnant),
-                members,
-            )
-            for species_id, founder, best, stagnant, members in zip(
-                arrays["species_id"],
-                founders,
-                arrays["species_best_fitness"],
-                arrays["species_stagnant"],
-                _split(arrays["members"], arrays["species_members"]),
-                strict=True,
-            )
-        ],
-        meta["next_species"],
-    )
-    columns = [arrays[f"history_{column}"].tolist() for column in COLUMNS]
-    evolution.history = [Generation(*row) for row in zip(*columns, strict=True)]
+    species = [
+        Species(species_id, founder, best_fitness, stagnant, members)
+        for (species_id, best_fitness, stagnant, _), founder, members in zip(
+            arrays["species"].tolist(),
+            founders,
+            _split(arrays["members"], arrays["species"]["members"]),
+            strict=True,
+        )
+    ]
+    evolution.species_set = SpeciesSet(species, meta["next_species"])
+    evolution.history = [Generation(*row) for row in arrays["history"].tolist()]
     evolution.digest = meta["digest"]
     return evolution
-
-
-def _structured(arrays: Arrays, prefix: str, dtype: np.dtype[np.void]) -> npt.NDArray[np.void]:
-    names = dtype.names or ()
-    packed = np.zeros(len(arrays[f"{prefix}_{names[0]}"]), dtype=dtype)
-    for name in names:
-        packed[name] = arrays[f"{prefix}_{name}"]
-    return packed
 
 
 def _split(array: npt.NDArray[Any], counts: npt.NDArray[np.int64]) -> list[npt.NDArray[Any]]:

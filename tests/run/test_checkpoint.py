@@ -3,6 +3,7 @@
 import dataclasses
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -152,22 +153,34 @@ def test_damaged_anywhere_is_refused_or_the_same(
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("connection_source", 99), ("node_bias", np.nan), ("members", 0)]
+    ("name", "field", "value"),
+    [("connections", "source", 99), ("nodes", "bias", np.nan), ("members", ..., 0)],
 )
 def test_an_impossible_state_is_refused_though_sealed(
-    name: str, value: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, field: Any, value: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pack = checkpoint._pack
 
     def planted(evolution: Evolution, cost: Cost) -> checkpoint.Arrays:
         arrays = pack(evolution, cost)
-        arrays[name] = arrays[name].copy()
-        arrays[name][-1] = value
+        arrays[name][field][-1] = value
         return arrays
 
     monkeypatch.setattr(checkpoint, "_pack", planted)
     checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
     with pytest.raises(UserError, match=r"run\.npz: damaged: .*; remove it"):
+        checkpoint.load(tmp_path / "run.npz", run_spec())
+
+
+@pytest.mark.parametrize("name", checkpoint.LAYOUT)
+@pytest.mark.parametrize("kind", [np.float32, [("id", np.float64)]])
+def test_other_types_are_refused_though_sealed(name: str, kind: Any, tmp_path: Path) -> None:
+    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    forge_checkpoint(
+        tmp_path / "run.npz",
+        lambda arrays: arrays.update({name: np.zeros(len(arrays[name]), kind)}),
+    )
+    with pytest.raises(UserError, match=rf"run\.npz: damaged: its {name} are of another type"):
         checkpoint.load(tmp_path / "run.npz", run_spec())
 
 
