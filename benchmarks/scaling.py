@@ -12,6 +12,7 @@ from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT, load_configuration
 from neol.study.campaign.cost import Get, neat_seconds, run_seconds, shipped
 from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
+from neol.study.campaign.shown import select
 from neol.study.outcomes.paper_numbers import settings
 
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
@@ -59,7 +60,7 @@ def comparison(get: Get, budget: str) -> str:
 def spent(budget: str) -> str:
     """What the records of a budget say that they took, the sensitivity study's apart."""
     parts = []
-    for job in jobs(load_configuration(budget)):
+    for job in jobs(select(budget)):
         if (ROOT / job.record).exists():
             record = read_record(ROOT / job.record, job.spec)
             steps = sum(record.rows_of(seed)["env_steps"][-1] for seed in job.seeds)
@@ -100,7 +101,7 @@ class Cost:
 def _costs(get: Get, budget: str) -> list[Cost]:
     """Of a budget's grid, as far as its tasks were measured."""
     found = []
-    for job in jobs(load_configuration(budget)):
+    for job in jobs(select(budget)):
         usual, longest = run_seconds(job.spec, get), run_seconds(job.spec, get, to_the_limit=True)
         if job.part != SENSITIVITY and usual is not None and longest is not None:
             found.append(Cost(job, len(job.seeds) * usual, len(job.seeds) * longest))

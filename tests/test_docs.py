@@ -8,6 +8,7 @@ import pytest
 
 from neol.spec.configuration import ROOT, budgets, load_configuration
 from neol.study.campaign.grid import blocks, cells
+from neol.study.campaign.shown import select
 from neol.study.output.captions import describe_generations
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -71,12 +72,12 @@ def test_the_readme_knows_the_budgets_and_their_records() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     records = set()
     for name in budgets():
-        configuration = load_configuration(name)
+        configuration = select(name)
         budget = configuration.budget
-        runs = len(cells(configuration)) * budget.seeds
+        runs = len(cells(configuration)) * budget.seed_count
         populations = ", ".join(map(str, budget.populations))
         assert (
-            f"| `{name}` | {describe_generations(budget)} | {budget.seeds} | {populations} "
+            f"| `{name}` | {describe_generations(budget)} | {budget.seed_count} | {populations} "
             f"| {len(budget.learning_rates)} | {runs:,} |"
         ) in text
         records |= {str(block.record) for block in blocks(configuration)}

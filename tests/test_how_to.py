@@ -107,10 +107,10 @@ def test_a_task_in_a_budget(tmp_path: Path) -> None:
     commands = blocks("add-a-task.md", "bash")[1].replace("snakemake", "snakemake --dry-run")
     printed = shell(commands, tmp_path, tmp_path)
     assert "environment: Acrobot-v1" in printed
-    planned = set(re.findall(r"results/swing/\S+\.parquet", printed))
+    planned = set(re.findall(r"results/first/swing/\S+\.parquet", printed))
     assert planned == {
-        "results/swing/acrobot/neat/p008/seeds_000-001.parquet",
-        "results/swing/acrobot/oja/p008_lr0.25/seeds_000-001.parquet",
+        "results/first/swing/acrobot/neat/p008/seeds_000-001.parquet",
+        "results/first/swing/acrobot/oja/p008_lr0.25/seeds_000-001.parquet",
     }
 
 
@@ -169,3 +169,40 @@ def test_a_figure(tmp_path: Path) -> None:
     assert "/demo/lunar_lander/bcm/" in printed
     figure = clone / "figures" / "demo" / "beyond_species.pdf"
     assert not [line for line in trace(figure, clone) if line.endswith(("since)", "here)"))]
+
+
+@pytest.mark.slow
+def test_a_question_under_another_reading(tmp_path: Path) -> None:
+    """As the page says, but with runs of two generations, and tables planned only."""
+    copy_repository(tmp_path)
+    budget, reading = blocks("ask-another-reading.md", "yaml")
+    small = {"generations: 20": "generations: 2", "count: 5": "count: 2", "[50]": "[6]"}
+    for said, less in small.items():
+        assert said in budget
+        budget = budget.replace(said, less)
+    (tmp_path / "config" / "landing.yaml").write_text(budget)
+    (tmp_path / "config" / "readings" / "rare_crossover.yaml").write_text(reading)
+    look, ask, compare, own = blocks("ask-another-reading.md", "bash")
+
+    printed = shell(look, tmp_path, tmp_path)
+    assert "<   reward_scale: 0.01" in printed and ">   reward_scale: 1.0" in printed
+
+    planned = shell(ask.replace("snakemake", "snakemake --dry-run"), tmp_path, tmp_path)
+    changed = "default+plasticity.reward_scale=0.1"
+    cell = "landing/lunar_lander/hebb/p006_lr0.0025/seeds_5000-5001.parquet"
+    for name in ("default", changed, "first"):
+        assert f"results/{name}/{cell}" in planned
+    for place in ("default/landing", f"{changed}/landing", "landing"):
+        assert f"figures/{place}/claims.md" in planned
+
+    records = "snakemake results/{}/" + cell + " --config budget=landing reading={}"
+    options = f"default set={changed.removeprefix('default+')}"
+    shell(records.format("default", "default"), tmp_path, tmp_path)
+    shell(records.format(changed, options), tmp_path, tmp_path)
+    printed = shell(compare.replace("p050", "p006"), tmp_path, tmp_path)
+    assert re.search(r"plasticity.reward_scale +1\.0 +0\.1", printed), printed
+
+    run, plan = own.replace(" 50 ", " 6 ").replace(" 20 ", " 2 ").split("snakemake")
+    shell(f"{run}snakemake --dry-run{plan}", tmp_path, tmp_path)
+    record = read_record(tmp_path / "rare.parquet")
+    assert (record.reading, record.spec.neat.crossover_rate) == ("rare_crossover", 0.25)

@@ -17,31 +17,31 @@ def smoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Folder:
     """The folder again, of a budget of which the command knows, below the working folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(shown, "select", lambda *_: CONFIGURATION)
-    return Folder(Path("results/smoke"), CONFIGURATION)
+    return Folder(Path("results/first/smoke"), CONFIGURATION)
 
 
 @pytest.mark.usefixtures("unmeasured")
 def test_status_is_plain_lines(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     finish(job(smoke))
     log(job(smoke, place=1), "neol: disk full\n")
-    outcome = neol("status results/smoke")
+    outcome = neol("status results/first/smoke")
     assert outcome.exit_code == 0, outcome.output
     lines = [line.rstrip() for line in outcome.stdout.splitlines()]
     assert lines[0] == (
-        "results/smoke: 3 of 96 runs done, 1 of 32 cells, 0 of 126 of the sensitivity study, "
+        "results/first/smoke: 3 of 96 runs done, 1 of 32 cells, 0 of 126 of the sensitivity study, "
         "1 failed"
     )
     assert "hopper will cost was never measured" in lines[1]
     assert lines[3].startswith("  cartpole hebb P=6 eta=0.0025 seed 2: best 7.0, held-out mean 6.0")
     failed = lines[lines.index("Failed:") + 1]
     assert failed.startswith("  cartpole hebb P=6 eta=0.25 seed 0: neol: disk full (")
-    assert failed.endswith("logs/smoke/cartpole/hebb/p006_lr0.25/seeds_000-002.log)")
+    assert failed.endswith("logs/first/smoke/cartpole/hebb/p006_lr0.25/seeds_000-002.log)")
     header, hebb, *_ = lines[lines.index("") + 1 :]
     assert header.split()[:4] == ["task", "method", "runs", "done"]
     assert hebb.split()[:4] == ["cartpole", "hebb", "12", "3"]
     assert hebb.endswith(" unknown")
     assert neol("status smoke").stdout.splitlines()[0] == lines[0]
-    monkeypatch.chdir("results/smoke")
+    monkeypatch.chdir("results/first/smoke")
     assert neol("status .").stdout.splitlines()[0].endswith(lines[0])
 
 
@@ -57,8 +57,8 @@ def test_watch_goes_on_until_the_grid_is_done(
 
     monkeypatch.setattr(command.time, "sleep", work)
     outcome = neol("status smoke --watch")
-    assert outcome.stdout.startswith("results/smoke: 3 of 96 runs done, 1 of 32 cells")
-    assert "results/smoke: 96 of 96 runs done, 32 of 32 cells" in outcome.stdout
+    assert outcome.stdout.startswith("results/first/smoke: 3 of 96 runs done, 1 of 32 cells")
+    assert "results/first/smoke: 96 of 96 runs done, 32 of 32 cells" in outcome.stdout
 
 
 def interrupt(_seconds: float) -> None:
@@ -78,13 +78,13 @@ def test_ctrl_c_ends_a_watch(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_folder_that_does_not_exist_is_said() -> None:
     outcome = neol("status smoke")
     assert outcome.exit_code == 0
-    assert outcome.stderr.startswith("neol: results/smoke does not exist (from ")
+    assert outcome.stderr.startswith("neol: results/first/smoke does not exist (from ")
 
 
 @pytest.mark.usefixtures("smoke")
 def test_a_folder_that_does_not_exist_is_not_watched(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(command.time, "sleep", interrupt)
-    assert "neol: results/smoke does not exist (from " in refused("status smoke --watch")
+    assert "neol: results/first/smoke does not exist (from " in refused("status smoke --watch")
 
 
 def test_a_folder_of_no_budget_is_refused(tmp_path: Path) -> None:

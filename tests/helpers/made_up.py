@@ -13,11 +13,16 @@ from neol.run.record_file import write_record
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.grid import RESULTS, Block, Cell, blocks, run_specs
+from neol.study.campaign.shown import SHOWN_READING
 from neol.study.campaign.variants import trials
 
 
 def configuration(
-    *, tasks: Sequence[str] = ("cartpole",), generations: int = 2, seeds: int = 3
+    *,
+    tasks: Sequence[str] = ("cartpole",),
+    generations: int = 2,
+    seeds: int = 3,
+    reading: str = SHOWN_READING,
 ) -> Configuration:
     """The smoke budget (P = 6, 12, two rates) with other tasks, generations and seeds."""
     return load_configuration(
@@ -29,6 +34,7 @@ def configuration(
             f"budget.seeds_per_job={seeds}",
             "evaluation.held_out_episodes=1",
         ],
+        reading=reading,
     )
 
 
@@ -43,9 +49,9 @@ def write_campaign(
     Every other run ends at `otherwise`. None leaves a seed out.
     """
     for block in blocks(configuration):
-        values = final_best.get(block.cell, [otherwise] * configuration.budget.seeds)
+        values = final_best.get(block.cell, [otherwise] * configuration.budget.seed_count)
         runs = [
-            run(spec, block.budget, value)
+            run(spec, configuration.budget.name, value, configuration.reading)
             for spec, value in zip(run_specs(configuration, block), _of(values, block), strict=True)
             if value is not None
         ]
@@ -65,18 +71,24 @@ def write_trials(results: Path, configuration: Configuration, gains: Mapping[str
             path = results / trial.record.relative_to(RESULTS)
             path.parent.mkdir(parents=True, exist_ok=True)
             specs = [trial.spec.model_copy(update={"seed": seed}) for seed in trial.seeds]
-            budget = configuration.budget.name
-            runs = [run(spec, budget, gain + place) for place, spec in enumerate(specs)]
+            budget, reading = configuration.budget.name, configuration.reading
+            runs = [run(spec, budget, gain + place, reading) for place, spec in enumerate(specs)]
             write_record(path, join(runs))
 
 
-def run(spec: RunSpec, budget: str, final_best: float) -> Record:
-    """A run whose best fitness is by 1 higher in each earlier generation.
+def run(
+    spec: RunSpec,
+    budget: str,
+    final_best: float,
+    reading: str = SHOWN_READING,
+    decline: float = 1.0,
+) -> Record:
+    """A run whose best fitness is by `decline` higher in each earlier generation.
 
     So only the final generation may count. Its champion comes to 1 less in held-out episodes.
     """
     history = [
-        generation(number, final_best + (spec.generations - number), spec.population)
+        generation(number, final_best + decline * (spec.generations - number), spec.population)
         for number in range(1, spec.generations + 1)
     ]
     genome = initial_genome(0, 1, 1, np.zeros(1), np.zeros(1))
@@ -93,7 +105,13 @@ def run(spec: RunSpec, budget: str, final_best: float) -> Record:
         cpu_seconds=0.0,
         provenance=provenance(),
     )
-    return Record(spec, budget, history_table(spec.seed, history), (info,))
+    return Record(
+        spec,
+        budget,
+        reading,
+        history_table(spec.seed, history),
+        (info,),
+    )
 
 
 def generation(number: int, best_fitness: float, population: int) -> Generation:

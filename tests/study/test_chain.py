@@ -8,8 +8,9 @@ import pandas as pd
 import papermill
 import pytest
 
-from neol.spec.configuration import ROOT, Configuration, load_configuration
+from neol.spec.configuration import ROOT, Configuration
 from neol.study.campaign.grid import Cell, cells
+from neol.study.campaign.shown import select
 from neol.study.claims.claims import decide, load_claims
 from neol.study.claims.ledger import write_ledger
 from neol.study.figures.paper_figures import figure2, figure3, heatmap
@@ -30,7 +31,7 @@ def mean(cell: Cell) -> float:
 
 
 def write(results: Path, constants: Configuration) -> None:
-    seeds = SEEDS if constants.budget.seeds == len(SEEDS) else (-1.0, 0.0, 1.0)
+    seeds = SEEDS if constants.budget.seed_count == len(SEEDS) else (-1.0, 0.0, 1.0)
     values = {cell: [mean(cell) + each for each in seeds] for cell in cells(constants)}
     write_campaign(results, constants, values)
 
@@ -39,8 +40,8 @@ def write(results: Path, constants: Configuration) -> None:
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Records of the smoke budget."""
     results = tmp_path_factory.mktemp("chain") / "results"
-    write(results, load_configuration("smoke"))
-    write_trials(results, load_configuration("smoke"), {"baseline": 0.0, "ReLU": 10.0})
+    write(results, select("smoke"))
+    write_trials(results, select("smoke"), {"baseline": 0.0, "ReLU": 10.0})
     return results
 
 
@@ -78,7 +79,7 @@ def test_a_notebook_makes_its_files_and_each_is_traced(
     for each in NOTEBOOKS[notebook]:
         sidecar = json.loads((tmp_path / f"{each.name}.json").read_text())
         assert {record["path"] for record in sidecar["records"]} <= {
-            str(record) for record in records(load_configuration("smoke"), each.reads)
+            str(record) for record in records(select("smoke"), each.reads)
         }
         assert all((results.parent / record["path"]).exists() for record in sidecar["records"])
         assert sidecar["records"]
@@ -125,7 +126,7 @@ def test_tables_and_figures_show_the_runs_as_they_were_made(results: Path) -> No
 
     Three generations and populations to 12: M = 1e8 x 3 x 12 / 150,000 = 24,000.
     """
-    campaign = Campaign(load_configuration("smoke"), results)
+    campaign = Campaign(select("smoke"), results)
     scores = table2(campaign).frame.set_index(["task", "method"])
     # BCM at population 12: 112 + 113 + 114 around the seed, and 3 for each seed's own shift.
     assert scores.loc[("hopper", "bcm"), "mean"] == pytest.approx(12 / 24_000 * 339)

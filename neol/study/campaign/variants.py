@@ -74,16 +74,24 @@ def _read(path: Path, kind: type[Content]) -> Content:
 
 
 def trials(configuration: Configuration, name: str) -> list[Trial]:
-    """What a variant runs in a budget, for each of its tasks and methods."""
+    """What a variant runs in a budget, for each of its tasks and methods.
+
+    Nothing where a variant is what the budget's reading has anyway.
+    """
     budget, most = configuration.budget, study()
     known = variants()
     if name not in known:
         raise UserError(f'unknown variant "{name}"{hint(name, known)}')
     variant = known[name]
     try:
-        changed = load_configuration(budget.name, variant.set, reading=configuration.reading)
+        plain, changed = (
+            load_configuration(budget.name, overrides, reading=configuration.reading)
+            for overrides in ((), variant.set)
+        )
     except UserError as error:
         raise UserError(f"{VARIANTS.parent.name}/{VARIANTS.name}: {name}.set: {error}") from None
+    if name != BASELINE and changed == plain:
+        return []
     rate = budget.learning_rates[len(budget.learning_rates) // 2]
     seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seed_count, most.seeds))
     return [

@@ -28,7 +28,7 @@ class Source:
     """A record that was read."""
 
     path: str
-    """With the results folder's name in front: results/smoke/cartpole/..."""
+    """With the results folder's name in front: results/first/smoke/cartpole/..."""
     sha256: str
     """Of the file."""
     spec: str

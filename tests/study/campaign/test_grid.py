@@ -34,20 +34,32 @@ def test_order_is_that_of_the_file(paper):
     assert cells(paper)[-1] == Cell("bipedal_walker", "neat_wo", 300, None)
 
 
-def test_a_record_s_path_says_budget_cell_and_seeds(paper):
+def test_a_record_s_path_says_reading_budget_cell_and_seeds(paper):
     records = [block.record for block in blocks(paper)]
     assert len(set(records)) == len(records) == 224 * 6
-    hebb = "results/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
+    hebb = "results/default/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
     assert records[0] == Path(hebb)
-    neat = "results/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
+    neat = "results/default/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
     assert records[-1] == Path(neat)
 
 
-def test_records_of_different_budgets_share_no_path():
+def test_records_of_different_budgets_and_readings_share_no_path():
     paths = [
-        block.record for name in ("smoke", "desk") for block in blocks(load_configuration(name))
+        block.record
+        for name in ("smoke", "desk")
+        for reading in ("default", "first", "first+plasticity.reward_scale=0.1")
+        for block in blocks(load_configuration(name, reading=reading))
     ]
     assert len(set(paths)) == len(paths)
+
+
+def test_seeds_may_begin_elsewhere_than_at_0():
+    seeds = "budget.seeds={first: 1000, count: 5}"
+    configuration = load_configuration("smoke", [seeds, "budget.seeds_per_job=3"])
+    first, second, *_ = blocks(configuration)
+    assert (first.seeds, second.seeds) == (range(1000, 1003), range(1003, 1005))
+    assert first.record.name == "seeds_1000-1002.parquet"
+    assert [run.seed for run in run_specs(configuration, second)] == [1003, 1004]
 
 
 def test_a_tiny_rate_is_written_without_exponent():

@@ -8,9 +8,12 @@ from neol.base.errors import UserError
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
+    SHOWN_READING,
     chosen_tasks,
+    differences,
     figures_folder,
     folder,
+    full_label,
     label,
     select,
     snakemake_options,
@@ -18,32 +21,53 @@ from neol.study.campaign.shown import (
 
 
 def test_all_tasks_are_the_whole_budget() -> None:
-    whole = load_configuration("demo")
+    whole = load_configuration("demo", reading=SHOWN_READING)
     assert select("demo") == select("demo", "lunar_lander,cartpole") == whole
     assert chosen_tasks(whole.budget) == ()
-    assert label(whole.budget) == "demo"
-    assert snakemake_options(whole.budget) == "--config budget=demo"
+    assert label(whole) == "demo"
+    assert snakemake_options(whole) == "--config budget=demo"
 
 
 def test_tasks_come_once_and_in_the_order_of_the_budget() -> None:
     some = select("paper", "hopper,cartpole,hopper")
     assert chosen_tasks(some.budget) == some.budget.tasks == ("cartpole", "hopper")
-    assert label(some.budget) == "paper-cartpole,hopper"
-    assert figures_folder(some.budget) == Path("figures/paper-cartpole,hopper")
-    assert snakemake_options(some.budget) == "--config budget=paper tasks=cartpole,hopper"
+    assert label(some) == "paper-cartpole,hopper"
+    assert full_label(some) == f"{SHOWN_READING}/paper-cartpole,hopper"
+    assert figures_folder(some) == Path("figures/paper-cartpole,hopper")
+    assert snakemake_options(some) == "--config budget=paper tasks=cartpole,hopper"
+
+
+def test_another_reading_has_folders_of_its_own() -> None:
+    reading = "default+plasticity.reward_scale=0.1"
+    other = select("desk", "hopper,cartpole", reading)
+    assert label(other) == full_label(other) == f"{reading}/desk-cartpole,hopper"
+    assert figures_folder(other) == Path("figures", reading, "desk-cartpole,hopper")
+    options = snakemake_options(other)
+    assert options == f"--config budget=desk reading={reading} tasks=cartpole,hopper"
+
+
+def test_what_differs_from_the_default_reading() -> None:
+    assert differences(select("smoke", reading="default")) == {}
+    first = {
+        "plasticity.reward_scale": ("0.01", "1.0"),
+        "neat.crossover_enabled": ("redraw_if_disabled", "random_parent"),
+    }
+    assert differences(select("smoke", "cartpole", "first")) == first
+    more = select("smoke", reading="first+methods.neat.weight_mutation=0.1")
+    assert differences(more) == first | {"methods.neat.weight_mutation": ("0.1", "config")}
 
 
 def test_only_tasks_differ() -> None:
-    whole, some = load_configuration("paper"), select("paper", "cartpole")
+    whole, some = select("paper"), select("paper", "cartpole")
     assert some.budget.model_copy(update={"tasks": whole.budget.tasks}) == whole.budget
     assert some.model_copy(update={"budget": whole.budget}) == whole
 
 
 def test_the_shown_budget_has_the_folder_itself() -> None:
-    shown = select().budget
-    assert shown.name == DEFAULT_BUDGET
+    shown = select()
+    assert (shown.budget.name, shown.reading) == (DEFAULT_BUDGET, SHOWN_READING)
     assert figures_folder(shown) == Path("figures")
-    some = select(tasks="cartpole").budget
+    some = select(tasks="cartpole")
     assert figures_folder(some) == Path(f"figures/{DEFAULT_BUDGET}-cartpole")
 
 

@@ -14,30 +14,41 @@ from neol.spec.configuration import budgets, load_configuration
 from neol.study.campaign import variants as study_of
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import jobs
+from neol.study.campaign.shown import select
 from neol.study.campaign.variants import BASELINE, STUDY, trials, variants
 from neol.study.outcomes.sensitivity import sensitivity
 from tests.helpers.made_up import run, write_trials
 from tests.helpers.refusal import refusal
 
-SMOKE = load_configuration("smoke")
+SMOKE = select("smoke")
 
 
 @pytest.mark.parametrize("name", variants())
-@pytest.mark.parametrize("budget", budgets())
-def test_a_variant_differs_from_the_baseline_in_what_it_says(budget: str, name: str) -> None:
-    configuration = load_configuration(budget)
+@pytest.mark.parametrize("reading", ["default", "first"])
+def test_a_variant_differs_from_the_baseline_in_what_it_says(reading: str, name: str) -> None:
+    configuration = load_configuration("paper", reading=reading)
     baseline = {(each.task, each.method): each.spec for each in trials(configuration, BASELINE)}
     for trial in trials(configuration, name):
         same = trial.spec == baseline[trial.task, trial.method]
         assert same == (name == BASELINE)
 
 
+@pytest.mark.parametrize(("reading", "same"), [("default", "beta 1"), ("first", "beta 0.01")])
+def test_what_a_reading_has_anyway_is_not_run(reading: str, same: str) -> None:
+    for configuration in (
+        load_configuration("demo", reading=reading),
+        select("demo", "cartpole", reading),
+    ):
+        idle = [name for name in variants() if not trials(configuration, name)]
+        assert idle == [same]
+
+
 def test_the_seeds_are_none_of_the_budgets() -> None:
     for budget in budgets():
         configuration = load_configuration(budget)
         (seeds,) = {trial.seeds for trial in trials(configuration, BASELINE)}
-        assert seeds[0] >= configuration.budget.seeds
-        assert len(seeds) == min(configuration.budget.seeds, 10)
+        assert not set(seeds) & set(configuration.budget.seed_range)
+        assert len(seeds) == min(configuration.budget.seed_count, 10)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from tests.helpers.made_up import configuration, write_campaign
 from tests.helpers.runs import run_spec
 from tests.study.explore.test_runs import BEST
 
-SETTING = ("smoke", 6, 0.25)
+SETTING = ("first/smoke", 6, 0.25)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_curves_against_cost(results: Path, runs: pd.DataFrame) -> None:
 
 
 def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFrame) -> None:
-    with pytest.raises(UserError, match="budget smoke has no runs of hopper with P = 6"):
+    with pytest.raises(UserError, match="budget first/smoke has no runs of hopper with P = 6"):
         learning_curves(
             results, runs, task="hopper", setting=SETTING, column="species", against="evaluations"
         )
@@ -69,7 +69,7 @@ def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFra
 
 def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
     again = pd.concat([runs, runs.assign(budget="demo")])
-    shown = {"budget": "smoke", "outcome": "held_out"}
+    shown = {"budget": "first/smoke", "outcome": "held_out"}
     axis = outcomes(again, task="cartpole", by="learning_rate", **shown).axes[0]
     here = runs[runs["learning_rate"] == 0.25]["held_out"]
     drawn = [line.get_ydata() for line in axis.get_lines()]
@@ -79,7 +79,9 @@ def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
         "0.0025\n18 runs",
         "0.25\n18 runs",
     ]
-    with pytest.raises(UserError, match="smoke has no run of hopper with method and held_out"):
+    with pytest.raises(
+        UserError, match="first/smoke has no run of hopper with method and held_out"
+    ):
         outcomes(runs, task="hopper", by="method", **shown)
 
 

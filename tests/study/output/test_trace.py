@@ -27,7 +27,7 @@ def test_a_table_is_traced_to_its_runs(table: Path) -> None:
     assert lines[2].endswith("figures/table3.tex --config budget=smoke tasks=cartpole")
     assert "records  14, of 42 runs" in lines
     assert sum(line.startswith("  seed ") for line in lines) == 42
-    assert "results/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines
+    assert "results/first/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines
 
 
 def test_what_has_become_of_an_output_is_said(table: Path) -> None:
@@ -39,7 +39,7 @@ def test_what_has_become_of_an_output_is_said(table: Path) -> None:
 
 
 def test_what_has_become_of_a_record_is_said(table: Path) -> None:
-    folder = table.parent.parent / "results/smoke/cartpole/neat"
+    folder = table.parent.parent / "results/first/smoke/cartpole/neat"
     (folder / "p006/seeds_000-002.parquet").write_bytes(b"other")
     (folder / "p012/seeds_000-002.parquet").unlink()
     states = [line for line in trace(table, table.parent.parent) if line.endswith(")")]

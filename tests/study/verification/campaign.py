@@ -13,7 +13,7 @@ from neol.run.provenance import Provenance
 from neol.run.record_file import read_record, write_record
 from neol.run.runner import run_block
 from neol.spec.configuration import load_configuration
-from neol.study.campaign.grid import RESULTS, blocks, run_specs
+from neol.study.campaign.grid import blocks, home, run_specs
 from neol.study.campaign.jobs import Job, jobs
 from neol.study.verification.manifest import NAME, ManifestEntry, write_manifest
 
@@ -37,14 +37,16 @@ TRIALS = [f"sensitivity/baseline/cartpole_{method}.parquet" for method in ("bcm"
 
 def make_campaign(folder: Path) -> None:
     """Three records of budget smoke, nine runs in all, with their manifest."""
-    configuration = load_configuration("smoke")
+    configuration = load_configuration("smoke", reading="first")
     for block in blocks(configuration):
-        name = block.record.relative_to("results/smoke").as_posix()
+        name = block.record.relative_to(block.home).as_posix()
         if name in (OJA, HEBB, NEAT):
             output = folder / name
             output.parent.mkdir(parents=True)
             specs = run_specs(configuration, block)
-            record = run_block(specs[0], block.seeds, output, budget="smoke", engine="reference")
+            record = run_block(
+                specs[0], block.seeds, output, budget="smoke", reading="first", engine="reference"
+            )
             timeless = {"wall_seconds": 0.0, "cpu_seconds": 0.0}  # same bytes each time
             seeds = tuple(info.model_copy(update=timeless) for info in record.seeds)
             write_record(output, dataclasses.replace(record, seeds=seeds))
@@ -57,14 +59,16 @@ def patch_budget(*more: str) -> Any:
     A context manager.
     """
     return mock.patch(
-        "neol.study.verification.manifest.jobs", lambda asked: _few(asked.budget.name, more)
+        "neol.study.verification.manifest.jobs",
+        lambda asked: _few(asked.budget.name, asked.reading, more),
     )
 
 
 @cache
-def _few(budget: str, more: tuple[str, ...]) -> list[Job]:
-    names = [RESULTS / budget / name for name in (OJA, HEBB, NEAT, *TRIALS, *more)]
-    return [job for job in jobs(load_configuration(budget)) if job.record in names]
+def _few(budget: str, reading: str, more: tuple[str, ...]) -> list[Job]:
+    configuration = load_configuration(budget, reading=reading)
+    names = [home(configuration) / name for name in (OJA, HEBB, NEAT, *TRIALS, *more)]
+    return [job for job in jobs(configuration) if job.record in names]
 
 
 def update_manifest(folder: Path, *, add: str = "") -> None:

@@ -59,13 +59,15 @@ def test_a_manifest_of_several_budgets_or_of_nothing_is_refused(
     for name in ("a.parquet", "b.parquet"):
         (tmp_path / name).write_bytes((campaign / OJA).read_bytes())
     forge_record(tmp_path / "b.parquet", lambda metadata, _: metadata.update(budget="desk"))
-    with pytest.raises(UserError, match=r"b\.parquet: is of budget desk, .*a\.parquet of smoke"):
+    with pytest.raises(
+        UserError, match=r"b\.parquet: is of first/desk, .*a\.parquet of first/smoke"
+    ):
         write_manifest(tmp_path)
 
 
 def test_a_manifest_above_a_budget_s_folder_is_refused(campaign: Path, tmp_path: Path) -> None:
     shutil.copytree(campaign, tmp_path / "smoke")
-    with pytest.raises(UserError, match=r"smoke/.* budget smoke has no record of this name; a man"):
+    with pytest.raises(UserError, match=r"smoke/.* first/smoke has no record of this name; a man"):
         write_manifest(tmp_path)
     assert not (tmp_path / NAME).exists()
 
@@ -83,7 +85,7 @@ def test_what_no_manifest_vouches_for_is_said(campaign: Path, tmp_path: Path) ->
 
 def test_a_part_of_a_folder_is_checked_against_the_manifest_above(campaign: Path) -> None:
     part = neol("verify", campaign / "cartpole" / "oja")
-    said = "1 record of 3 runs checked, 1 of 3 records of budget smoke: all well\n"
+    said = "1 record of 3 runs checked, 1 of 3 records of first/smoke: all well\n"
     assert part.stdout == said
 
 
@@ -93,13 +95,13 @@ def test_an_unfinished_campaign_is_no_finding_but_said(campaign: Path, tmp_path:
     (tmp_path / "smoke" / NAME).unlink()
     outcome = neol("verify", tmp_path)
     assert outcome.exit_code == 0
-    assert "2 of 3 records of budget smoke, 2 in no manifest.json" in outcome.stdout
+    assert "2 of 3 records of first/smoke, 2 in no manifest.json" in outcome.stdout
     write_manifest(tmp_path / "smoke")
     assert f"{OJA}: missing, and manifest.json leaves it out" in neol("verify", tmp_path).stdout
 
 
 def test_a_manifest_can_speak_for_some_tasks(campaign: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "smoke"
+    folder = tmp_path / "first" / "smoke"
     shutil.copytree(campaign, folder)
     with patch_budget(HOPPER):
         write_manifest(folder)
@@ -108,7 +110,7 @@ def test_a_manifest_can_speak_for_some_tasks(campaign: Path, tmp_path: Path) -> 
         )
         assert neol("manifest", folder, "--tasks", "cartpole").exit_code == 0
         assert read_manifest(folder).tasks == ("cartpole",)
-        said = "3 records of 9 runs checked, 3 of 4 records of budget smoke: all well\n"
+        said = "3 records of 9 runs checked, 3 of 4 records of first/smoke: all well\n"
         assert neol("verify", folder).stdout == said
         (folder / OJA).unlink()
         write_manifest(folder, "cartpole")
@@ -133,14 +135,18 @@ def test_a_manifest_of_other_tasks_is_refused(campaign: Path, tasks: str, line: 
 def test_of_a_sensitivity_study_all_trials_are_there_or_none(
     campaign: Path, tmp_path: Path
 ) -> None:
-    folder = tmp_path / "smoke"
+    folder = tmp_path / "first" / "smoke"
     shutil.copytree(campaign, folder)
-    (job,) = (j for j in jobs(load_configuration("smoke"), tmp_path) if j.record.match(TRIALS[0]))
-    run_block(job.spec, job.seeds, job.record, budget="smoke", engine="reference")
+    (job,) = (
+        j
+        for j in jobs(load_configuration("smoke", reading="first"), tmp_path)
+        if j.record.match(TRIALS[0])
+    )
+    run_block(job.spec, job.seeds, job.record, budget="smoke", reading="first", engine="reference")
     write_manifest(folder)
     outcome = neol("verify", folder)
     assert f"{folder / TRIALS[1]}: missing, and manifest.json leaves it out" in outcome.stdout
-    assert "4 records of 12 runs checked, 3 of 3 records of budget smoke: 1 finding" in (
+    assert "4 records of 12 runs checked, 3 of 3 records of first/smoke: 1 finding" in (
         outcome.stdout
     )
 
@@ -148,7 +154,7 @@ def test_of_a_sensitivity_study_all_trials_are_there_or_none(
 def test_linked_folders_are_checked(campaign: Path, tmp_path: Path) -> None:
     (tmp_path / "smoke").symlink_to(campaign)
     outcome = neol("verify", tmp_path)
-    said = "3 records of 9 runs checked, 3 of 3 records of budget smoke: all well\n"
+    said = "3 records of 9 runs checked, 3 of 3 records of first/smoke: all well\n"
     assert outcome.stdout == said
 
 
@@ -170,7 +176,7 @@ def test_what_is_found_does_not_depend_on_where_one_stands(
 
 def test_records_named_twice_are_checked_once(campaign: Path) -> None:
     outcome = neol("verify", campaign, campaign, campaign / OJA, campaign / "cartpole")
-    said = "3 records of 9 runs checked, 3 of 3 records of budget smoke: all well\n"
+    said = "3 records of 9 runs checked, 3 of 3 records of first/smoke: all well\n"
     assert outcome.stdout == said
 
 
@@ -181,7 +187,7 @@ def test_what_was_repeated_is_said_with_the_seed_of_the_draw(campaign: Path) -> 
     )
     assert outcome.exit_code == 0
     assert outcome.stdout == (
-        "3 records of 9 runs checked, 3 of 3 records of budget smoke, 2 runs repeated, "
+        "3 records of 9 runs checked, 3 of 3 records of first/smoke, 2 runs repeated, "
         "6 generations, 1 champion played again (--seed 5): all well\n"
     )
     assert "(--seed " in neol("verify", campaign, "--replay", 1).stdout

@@ -11,13 +11,13 @@ from neol.study.workflow import outlook
 from neol.study.workflow.status import Folder
 from tests.helpers import made_up
 
-CONFIGURATION = made_up.configuration(tasks=("cartpole", "hopper"))
+CONFIGURATION = made_up.configuration(tasks=("cartpole", "hopper"), reading="first")
 """Three seeds a job; two generations; P = 6 and 12; Hebb, Oja and BCM with two rates each."""
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Folder:
-    return Folder(tmp_path / "results" / "smoke", CONFIGURATION)
+    return Folder(tmp_path / "results" / "first" / "smoke", CONFIGURATION)
 
 
 def job(folder: Folder, task: str = "cartpole", part: str = "hebb", place: int = 0) -> Job:
@@ -30,7 +30,7 @@ def job(folder: Folder, task: str = "cartpole", part: str = "hebb", place: int =
 def finish(of: Job, seeds: int = 3, output: Path | None = None) -> None:
     """Write a record of so many of a job's seeds."""
     made = [
-        made_up.run(of.spec.model_copy(update={"seed": seed}), "smoke", 7.0)
+        made_up.run(of.spec.model_copy(update={"seed": seed}), "smoke", 7.0, of.reading)
         for seed in list(of.seeds)[:seeds]
     ]
     path = output or of.record

@@ -16,7 +16,8 @@ from neol.study.workflow.snakemake import clear_stale_locks, pattern
 from tests.helpers.command import specification
 from tests.helpers.made_up import run
 
-JOBS = list(jobs(load_configuration("smoke")))
+READING = "first+plasticity.write_back=false"
+JOBS = list(jobs(load_configuration("smoke", reading=READING)))
 
 
 @pytest.mark.parametrize("job", JOBS[::7], ids=lambda job: str(job.record.relative_to(RESULTS)))
@@ -25,7 +26,8 @@ def test_the_arguments_of_a_job_are_its_specification(
 ) -> None:
     spec, settings = specification(f"run {job.arguments} --output a.parquet", monkeypatch)
     assert spec == job.spec
-    assert (settings["budget"], settings["seeds"]) == ("smoke", list(job.seeds))
+    assert (settings["budget"], settings["reading"]) == ("smoke", READING)
+    assert settings["seeds"] == list(job.seeds)
 
 
 def test_every_record_is_made_by_one_job() -> None:

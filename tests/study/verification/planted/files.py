@@ -37,7 +37,7 @@ def rerun(
         (folder / OJA).unlink()
         spec = record.spec.model_copy(update=changes)
         seeds = range(first, first + 3)
-        run_block(spec, seeds, folder / OJA, budget=budget, engine="reference")
+        run_block(spec, seeds, folder / OJA, budget=budget, reading="first", engine="reference")
         update_manifest(folder)
 
     return do
