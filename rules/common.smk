@@ -5,11 +5,13 @@ from glob import glob
 from pathlib import Path
 
 from neol.base.errors import UserError
+from neol.run.record_file import records_below
 from neol.run.workspace import remove_if_complete
 from neol.spec.readings import with_changes
 from neol.study.campaign.cost import walltime_minutes
 from neol.study.campaign.grid import blocks
 from neol.study.campaign.jobs import jobs
+from neol.study.campaign.search import CONFIRMATION, SCREENING
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
     SHOWN_READING,

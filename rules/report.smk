@@ -102,6 +102,40 @@ rule results_page:
         "python -m neol.study.report.results {params.budget} --reading {params.reading} --tasks '{params.tasks}' {params.figures} {output.page} > {log} 2>&1"
 
 
+# Of the records that are there; `make search` makes those of docs/readings-plan.md.
+rule readings_page:
+    input:
+        records=[
+            str(record)
+            for budget in (SCREENING, CONFIRMATION)
+            for folder in sorted(Path("results").glob(f"*/{budget}"))
+            for record in records_below(folder)
+        ],
+        candidates=glob("config/search/*.yaml") + sorted(glob("config/readings/*.yaml")),
+        code=sorted(
+            {
+                *RESULT_CODE,
+                *python("study/report", "pictures"),
+                "neol/study/report/readings.md.j2",
+                "neol/study/figures/baselines_figure.py",
+            }
+        ),
+    output:
+        page="docs/readings.md",
+        picture="docs/readings.png",
+    log:
+        f"logs/{PLACE}/readings_page.log",
+    benchmark:
+        f"logs/{PLACE}/readings_page.tsv"
+    conda:
+        "../environment.yml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    shell:
+        "python -m neol.study.report.readings {output.page} > {log} 2>&1"
+
+
 rule paper_numbers:
     input:
         shown=NUMBERS,

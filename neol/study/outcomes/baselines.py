@@ -1,0 +1,150 @@
+"""How near a reading's NEAT and NEAT (w/o) come to the paper's: docs/readings-plan.md.
+
+The paper prints four means with their standard deviations: the final best fitness and, as SCORE,
+the mean over generations, of both baselines on Lunar Lander at P = 300. A number is compatible if
+it lies in the 99% predictive interval that our runs give for 30 further ones.
+"""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from neol.base.errors import UserError
+from neol.run.record import column_values
+from neol.spec.configuration import load_configuration
+from neol.study.campaign.grid import RESULTS, run_specs
+from neol.study.campaign.search import BASELINES, baseline_blocks, source
+from neol.study.outcomes.campaign_runs import SECONDS_IN_AN_HOUR, Source
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS, values
+from neol.study.outcomes.score import (
+    PAPER_GENERATIONS,
+    PAPER_POPULATION,
+    PAPER_SAMPLES,
+    best_so_far,
+)
+from neol.study.outcomes.statistics import Floats
+
+TASK = "lunar_lander"
+COUNTINGS = ("of the generation", "so far")
+"""Which best fitness is meant: the generation's, as the paper's formula has it, or the best yet."""
+QUANTITIES = ("final", "mean")
+"""Of the best fitness: in the last generation, and on average over generations."""
+LEVEL = 0.99
+_PAPER_TABLES = {("neat", "final"): 1, ("neat_wo", "final"): 7}
+_PAPER_TABLES |= {("neat", "mean"): 2, ("neat_wo", "mean"): 8}
+
+
+def paper_number(method: str, quantity: str) -> tuple[float, float]:
+    """The paper's mean and standard deviation over its 30 seeds."""
+    mean, sd = values(_PAPER_TABLES[method, quantity])[TASK, method]
+    assert sd is not None
+    unit = PAPER_SAMPLES / (PAPER_POPULATION * PAPER_GENERATIONS) if quantity == "mean" else 1.0
+    return mean * unit, sd * unit
+
+
+def predictive_mean(sample: Floats, level: float = LEVEL) -> tuple[float, float]:
+    """Where the mean of `PAPER_SEEDS` further runs lies, by normal theory: low and high."""
+    n = len(sample)
+    t = stats.t.ppf((1 + level) / 2, n - 1)
+    reach = t * sample.std(ddof=1) * math.sqrt(1 / n + 1 / PAPER_SEEDS)
+    return float(sample.mean() - reach), float(sample.mean() + reach)
+
+
+def predictive_sd(sample: Floats, level: float = LEVEL) -> tuple[float, float]:
+    """Where the standard deviation of `PAPER_SEEDS` further runs lies: low and high."""
+    tails = (1 - level) / 2, (1 + level) / 2
+    ratios = stats.f.ppf(tails, PAPER_SEEDS - 1, len(sample) - 1)
+    low, high = sample.std(ddof=1) * np.sqrt(ratios)
+    return float(low), float(high)
+
+
+def comparisons(
+    readings: Sequence[str], budget: str, results: Path = RESULTS
+) -> tuple[pd.DataFrame, tuple[Source, ...], float]:
+    """Each number of each reading beside the paper's; the records; their core-hours.
+
+    Columns: `reading`, `counting`, `method`, `quantity`; `seeds`, how many runs there are;
+    `mean` and `sd` of theirs with the predictive intervals `mean_low`, `mean_high`, `sd_low` and
+    `sd_high`; the paper's `paper_mean` and `paper_sd`; `distance`, |mean - paper_mean| / paper_sd;
+    `compatible`, whether both of the paper's numbers lie in their intervals. Fewer than two runs
+    give NaN and are not compatible. Raises UserError as `Source.read` does.
+    """
+    rows, sources, seconds = [], dict[str, Source](), dict[str, float]()
+    for reading in readings:
+        for method in BASELINES:
+            curves, read, spent = _curves(reading, method, budget, results)
+            sources |= {each.path: each for each in read}
+            seconds |= spent
+            for counting in COUNTINGS:
+                counted = curves if counting == COUNTINGS[0] else [*map(best_so_far, curves)]
+                for quantity in QUANTITIES:
+                    of_runs = np.array(
+                        [curve[-1] if quantity == "final" else curve.mean() for curve in counted]
+                    )
+                    place = reading, counting, method, quantity
+                    rows.append((*place, *_compare(of_runs, *paper_number(method, quantity))))
+    intervals = ["mean_low", "mean_high", "sd_low", "sd_high"]
+    columns = ["reading", "counting", "method", "quantity", "seeds", "mean", "sd", *intervals]
+    columns += ["paper_mean", "paper_sd", "distance", "compatible"]
+    table = pd.DataFrame(rows, columns=columns)
+    return table, tuple(sources.values()), sum(seconds.values()) / SECONDS_IN_AN_HOUR
+
+
+def ranking(table: pd.DataFrame, seeds: int) -> pd.DataFrame:
+    """Readings by their distance, the nearest first: a row for each reading and counting.
+
+    `distance` is the largest of a reading's four, `compatible` whether all its numbers are.
+    A reading is left out where a baseline has fewer than so many runs.
+    """
+    grouped = table.groupby(["reading", "counting"], sort=False)
+    rows = grouped.agg({"seeds": "min", "distance": "max", "compatible": "all"}).reset_index()
+    return rows[rows["seeds"] >= seeds].sort_values("distance", kind="stable", ignore_index=True)
+
+
+def to_confirm(ranked: pd.DataFrame, default: str, count: int = 3) -> list[str]:
+    """The nearest readings by the smaller of their two distances, and the default one.
+
+    One more of them where the default is among them.
+    """
+    nearest = list(dict.fromkeys(ranked["reading"]))
+    chosen = nearest[: count + (default in nearest[:count])]
+    return list(dict.fromkeys([*chosen, default]))
+
+
+def _curves(
+    reading: str, method: str, budget: str, results: Path
+) -> tuple[list[Floats], list[Source], dict[str, float]]:
+    """Best fitness by generation of each run that there is; the records, and what each took."""
+    curves: list[Floats] = []
+    sources: list[Source] = []
+    spent: dict[str, float] = {}
+    configuration = load_configuration(budget, reading=source(reading, method))
+    for block in baseline_blocks(reading, method, budget):
+        below = block.record.relative_to(RESULTS)
+        if not (results / below).exists():
+            continue
+        record, read = Source.read(results, below, run_specs(configuration, block)[0])
+        if [info.seed for info in record.seeds] != list(block.seeds):
+            raise UserError(f"{results / below}: does not hold the seeds that its name says")
+        best, seed = (column_values(record.table, name) for name in ("best_fitness", "seed"))
+        curves += [best[seed == info.seed] for info in record.seeds]
+        sources.append(read)
+        spent[read.path] = sum(info.cpu_seconds for info in record.seeds)
+    return curves, sources, spent
+
+
+def _compare(sample: Floats, paper_mean: float, paper_sd: float) -> tuple[float, ...]:
+    """What `comparisons` says of one number, from `seeds` on."""
+    seeds = len(sample)
+    mean = float(sample.mean()) if seeds else math.nan
+    distance = abs(mean - paper_mean) / paper_sd
+    if seeds < 2:
+        return seeds, mean, *[math.nan] * 5, paper_mean, paper_sd, distance, False
+    means, sds = predictive_mean(sample), predictive_sd(sample)
+    compatible = means[0] <= paper_mean <= means[1] and sds[0] <= paper_sd <= sds[1]
+    sd = float(sample.std(ddof=1))
+    return seeds, mean, sd, *means, *sds, paper_mean, paper_sd, distance, compatible

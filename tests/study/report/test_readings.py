@@ -1,0 +1,68 @@
+"""docs/readings.md, from made-up records: what it concludes, and what is to be confirmed."""
+
+from pathlib import Path
+
+import pytest
+
+from neol.study.campaign.search import CONFIRMATION
+from neol.study.report.readings import confirmation_calls, page, write_page
+from tests.helpers.baselines import PAPER, write_baseline
+from tests.helpers.refusal import refusal
+
+FAR = (200.0, 10.0, 150.0)
+
+
+@pytest.fixture
+def screened(tmp_path: Path) -> Path:
+    """The default's NEAT is far off, that of rare_mutation is the paper's; others were not run."""
+    write_baseline(tmp_path, "default", "neat", FAR)
+    write_baseline(tmp_path, "default", "neat_wo", PAPER["neat_wo"])
+    write_baseline(tmp_path, "rare_mutation", "neat", PAPER["neat"])
+    return tmp_path
+
+
+def test_a_screening_names_what_is_to_be_confirmed(screened: Path) -> None:
+    text, stage = page(screened)
+    assert stage.complete == ["rare_mutation", "default"]
+    assert "**Not yet confirmed**: this is the screening, with 3 seeds." in text
+    assert "Compatible in it: `rare_mutation` (best of the generation)," in text
+    assert "**Not reached**: `small_mutation`, `removal`," in text
+    assert "To be confirmed are `rare_mutation`, `default`." in text
+    assert "## Confirmation" not in text
+    assert "9 runs of the screening (0.0 core-hours)" in text
+    (row,) = (line for line in text.splitlines() if line.startswith("| `default` | of the gen"))
+    assert row.endswith("| no | 200 ± 10 | 150 ± 10 | **312 ± 9** | **286 ± 9** |")
+    assert "| the paper |  |  |  | 312 ± 8 | 291 ± 5 | 312 ± 9 | 286 ± 9 |" in text
+
+
+def test_the_confirmation_alone_decides(screened: Path) -> None:
+    write_baseline(screened, "default", "neat", FAR, CONFIRMATION)
+    write_baseline(screened, "default", "neat_wo", PAPER["neat_wo"], CONFIRMATION)
+    write_baseline(screened, "rare_mutation", "neat", FAR, CONFIRMATION)
+    text, stage = page(screened)
+    assert stage.budget == CONFIRMATION
+    assert "**Compatible** in the confirmation with 10 other seeds: none." in text
+    assert (
+        "**What none explains**: NEAT, final best of the generation; NEAT, mean best of the "
+        "generation; NEAT, final best so far; NEAT, mean best so far."
+    ) in " ".join(text.split())
+    assert "## Confirmation" in text and "## Screening" in text
+
+
+def test_the_calls_of_the_confirmation(screened: Path) -> None:
+    lines = confirmation_calls(screened)
+    assert [line.split()[-1] for line in lines] == ["reading=rare_mutation", "reading=default"]
+    assert [line.count(".parquet") for line in lines] == [10, 20]
+    assert all("--config budget=confirmation" in line for line in lines)
+
+
+def test_the_page_and_its_picture_are_written(screened: Path, tmp_path: Path) -> None:
+    output = tmp_path / "readings.md"
+    write_page(output, screened)
+    assert output.read_text() == page(screened)[0]
+    assert output.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_without_a_complete_candidate_there_is_no_page(tmp_path: Path) -> None:
+    line = refusal(write_page, tmp_path / "readings.md", tmp_path)
+    assert line.endswith("no candidate of the search has all its runs; `make search`")
