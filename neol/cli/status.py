@@ -56,11 +56,11 @@ def status(
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = PIPED_WIDTH
-    now = Status(folder.look())
+    now = Status(folder.job_statuses())
     if watch:
         with Display(console) as display:
             while not now.over:
                 display.show(summary(path, now), picture(path, now))
                 time.sleep(WATCH_SECONDS)
-                now = Status(folder.look())
+                now = Status(folder.job_statuses())
     console.print(picture(path, now))

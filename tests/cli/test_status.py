@@ -48,7 +48,7 @@ def test_status_is_plain_lines(smoke: Folder, monkeypatch: pytest.MonkeyPatch) -
 def test_watch_goes_on_until_the_grid_is_done(
     smoke: Folder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    grid = [s.job for s in smoke.look() if s.job.part != "sensitivity"]
+    grid = [s.job for s in smoke.job_statuses() if s.job.part != "sensitivity"]
     finish(grid[0])
 
     def work(_seconds: float) -> None:

@@ -24,13 +24,13 @@ from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.output.captions import describe_budget, lacking
 from neol.study.output.sidecar import INPUTS, Sidecar
 from neol.study.report.citation import citation
-from neol.study.report.inputs import (
+from neol.study.report.common import (
     command_line,
     read,
     render,
-    vouched,
-    vouched_frame,
-    vouched_table,
+    verified,
+    verified_frame,
+    verified_table,
 )
 from neol.study.report.showcase import Showcase, Shown
 from neol.study.workflow.exhibits import Exhibit, exhibits
@@ -93,12 +93,12 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
 
 
 def _table(campaign: Campaign, figures: Path, exhibit: Exhibit) -> Displayed:
-    table, sidecar = vouched_table(campaign, figures, exhibit.name)
+    table, sidecar = verified_table(campaign, figures, exhibit.name)
     return Displayed(exhibit, markupsafe.Markup(table._repr_html_()), sidecar)
 
 
 def _figure(figures: Path, exhibit: Exhibit) -> Displayed:
-    content, sidecar = vouched(figures / f"{exhibit.name}.png")
+    content, sidecar = verified(figures / f"{exhibit.name}.png")
     source = _data(content, "image/png")
     image = markupsafe.Markup('<img src="{}" alt="{}">').format(source, exhibit.caption)
     return Displayed(exhibit, image, sidecar)
@@ -106,7 +106,7 @@ def _figure(figures: Path, exhibit: Exhibit) -> Displayed:
 
 def _judged(figures: Path) -> list[Judged]:
     claims = {claim.id: claim for claim in load_claims()}
-    ledger = vouched_frame(figures / "claims.csv")
+    ledger = verified_frame(figures / "claims.csv")
     lacks = open_claims.lacks_of_open(ledger)
     return [
         Judged(

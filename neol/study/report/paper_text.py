@@ -30,7 +30,7 @@ from neol.study.output.captions import (
 from neol.study.output.latex import escape
 from neol.study.report import words
 from neol.study.report.citation import citation
-from neol.study.report.inputs import command_line, vouched_frame, vouched_table
+from neol.study.report.common import command_line, verified_frame, verified_table
 from neol.study.tables.table import Table, latex_entry
 from neol.study.workflow.exhibits import EXHIBITS, TABLES
 
@@ -59,13 +59,13 @@ def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
     found["budget/lacking"] = escape(lacking(campaign))
     found["budget/samples"] = escape(describe_samples(campaign))
     names = [each.name for each in EXHIBITS if each.group is TABLES]
-    tables = {name: vouched_table(campaign, figures, name)[0] for name in names}
+    tables = {name: verified_table(campaign, figures, name)[0] for name in names}
     for table in tables.values():
         found |= dict(_printed(table))
     for name, together in TABLES_TOGETHER.items():
         found[f"{name}/notes"] = _notes([tables[each] for each in together])
     found |= dict(_of_costs(costs(campaign)))
-    found |= _of_claims(vouched_frame(figures / "claims.csv"))
+    found |= _of_claims(verified_frame(figures / "claims.csv"))
     return found
 
 
@@ -100,15 +100,15 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
 def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
     """The sentences that docs/results.md has too."""
     configuration = campaign.configuration
-    effects = vouched_frame(figures / "beyond_effects.csv")
-    steps = open_claims.steps(vouched_frame(figures / "claims.csv"), configuration)
-    sensitivity = vouched_frame(figures / "beyond_sensitivity.csv")
+    effects = verified_frame(figures / "beyond_effects.csv")
+    steps = open_claims.steps(verified_frame(figures / "claims.csv"), configuration)
+    sensitivity = verified_frame(figures / "beyond_sensitivity.csv")
     return {
         "toldapart": _items(words.told_apart(effects, FITNESS, "neat")),
         "toldapartablation": _items(words.told_apart(effects, FITNESS, "neat_wo")),
         "summary": escape(" ".join(words.summary(effects))),
         "aftercorrection": escape(words.after_correction(effects)),
-        "selectionbias": _items(words.flattered(vouched_frame(figures / "beyond_selection.csv"))),
+        "selectionbias": _items(words.flattered(verified_frame(figures / "beyond_selection.csv"))),
         "opensteps": "".join(
             rf"{escape(step.takes)} & {step.claims} & {escape(step.core_hours)} \\ "
             for step in steps

@@ -19,7 +19,7 @@ from neol.study.claims.claims import load_claims
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.output.captions import describe_budget, describe_trials, lacking
 from neol.study.report import words
-from neol.study.report.inputs import command_line, render, vouched, vouched_frame, vouched_table
+from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
 
 
 def page(campaign: Campaign, figures: Path, name: str) -> str:
@@ -28,9 +28,9 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     Raises UserError where a table is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
-    table, sidecar = vouched_table(campaign, figures, "table1")
-    ledger = vouched_frame(figures / "claims.csv")
-    effects = vouched_frame(figures / "beyond_effects.csv")
+    table, sidecar = verified_table(campaign, figures, "table1")
+    ledger = verified_frame(figures / "claims.csv")
+    effects = verified_frame(figures / "beyond_effects.csv")
     spent = costs(campaign)
     estimated = open_claims.core_hours(configuration, configuration.budget.seed_count)
     return render(
@@ -46,7 +46,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         against_neat=words.effects_table(effects, "neat"),
         against_ablation=words.effects_table(effects, "neat_wo"),
         after_correction=words.after_correction(effects),
-        flattered=words.flattered(vouched_frame(figures / "beyond_selection.csv")),
+        flattered=words.flattered(verified_frame(figures / "beyond_selection.csv")),
         table=table._repr_html_(),
         judged=_judged(ledger),
         steps=open_claims.steps(ledger, configuration),
@@ -54,7 +54,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         spent=three_figures(spent["core_hours"]["all"]),
         trials=describe_trials(configuration),
         one_species=words.one_species(campaign),
-        sensitivity=words.told_by_sensitivity(vouched_frame(figures / "beyond_sensitivity.csv")),
+        sensitivity=words.told_by_sensitivity(verified_frame(figures / "beyond_sensitivity.csv")),
     )
 
 
@@ -78,7 +78,7 @@ def _effect(row: Mapping[Any, Any]) -> str:
 
 def write_page(campaign: Campaign, figures: Path, output: Path) -> None:
     """Write the page of a budget, and Figure 2 beside it."""
-    picture, _ = vouched(figures / "figure2.png")
+    picture, _ = verified(figures / "figure2.png")
     write_atomically(output, page(campaign, figures, output.stem).encode())
     write_atomically(output.with_suffix(".png"), picture)
 

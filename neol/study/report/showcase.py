@@ -18,7 +18,7 @@ from neol.spec.types import Model
 from neol.study.campaign.grid import RESULTS, Cell, blocks
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import candidates
-from neol.study.report.inputs import command_line
+from neol.study.report.common import command_line
 
 
 class Shown(Model):

@@ -79,18 +79,18 @@ class JobStatus:
 
 
 class Folder:
-    """A budget's folder. What a look has read of a record, the next one does not read again."""
+    """A budget's folder. It reads no record twice that has not changed."""
 
     def __init__(self, path: Path, configuration: Configuration) -> None:
         self.path = path
         self._jobs = list(jobs(configuration, path.parent.parent))
         self._read: dict[Path, tuple[tuple[int, int], tuple[Finished, ...]]] = {}
 
-    def look(self) -> list[JobStatus]:
+    def job_statuses(self) -> list[JobStatus]:
         """How far each job is now."""
-        return [self._look(job) for job in self._jobs]
+        return [self._job_status(job) for job in self._jobs]
 
-    def _look(self, job: Job) -> JobStatus:
+    def _job_status(self, job: Job) -> JobStatus:
         status = self._status(job)
         if status.state in ("interrupted", "missing") and (reason := _failure(job.log)):
             return replace(status, state="failed", reason=reason)

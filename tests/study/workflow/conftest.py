@@ -22,9 +22,9 @@ def folder(tmp_path: Path) -> Folder:
 
 def job(folder: Folder, task: str = "cartpole", part: str = "hebb", place: int = 0) -> Job:
     """One of a row's jobs; the first has P = 6 and the lower rate."""
-    return [s.job for s in folder.look() if (s.job.spec.task.name, s.job.part) == (task, part)][
-        place
-    ]
+    return [
+        s.job for s in folder.job_statuses() if (s.job.spec.task.name, s.job.part) == (task, part)
+    ][place]
 
 
 def finish(of: Job, seeds: int = 3, output: Path | None = None) -> None:

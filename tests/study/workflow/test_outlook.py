@@ -11,12 +11,12 @@ from tests.study.workflow.conftest import finish, job
 
 
 def row(folder: Folder, task: str, part: str) -> Row:
-    return next(r for r in Status(folder.look()).rows if (r.task, r.part) == (task, part))
+    return next(r for r in Status(folder.job_statuses()).rows if (r.task, r.part) == (task, part))
 
 
 @pytest.mark.usefixtures("unmeasured")
 def test_of_an_empty_folder_all_is_missing_and_no_cost_known(folder: Folder) -> None:
-    status = Status(folder.look())
+    status = Status(folder.job_statuses())
     assert status.states() == {"missing": 96}
     assert status.cells == (0, 32)
     assert [(r.task, r.part) for r in status.rows][-3:] == [
@@ -31,7 +31,9 @@ def test_of_an_empty_folder_all_is_missing_and_no_cost_known(folder: Folder) -> 
 
 def test_a_run_costs_what_was_measured(folder: Folder) -> None:
     hebb = [
-        s.job for s in folder.look() if (s.job.spec.task.name, s.job.part) == ("hopper", "hebb")
+        s.job
+        for s in folder.job_statuses()
+        if (s.job.spec.task.name, s.job.part) == ("hopper", "hebb")
     ]
     seconds = sum(3 * (run_seconds(each.spec) or 0.0) for each in hebb)
     assert row(folder, "hopper", "hebb").core_hours == pytest.approx(seconds / 3600.0)
@@ -49,10 +51,10 @@ def test_of_what_is_done_the_rest_costs_less(folder: Folder) -> None:
 def test_the_time_left_is_that_of_the_jobs_that_run(
     folder: Folder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert Status(folder.look()).seconds_left is None
+    assert Status(folder.job_statuses()).seconds_left is None
     for place in (1, 2):
         partial_folder(job(folder, place=place).record).mkdir(parents=True)
     monkeypatch.setattr(states, "is_running", lambda _: True)
-    status = Status(folder.look())
+    status = Status(folder.job_statuses())
     hours = sum(r.core_hours or 0.0 for r in status.rows)
     assert status.seconds_left == pytest.approx(3600 * hours / 2)

@@ -18,12 +18,12 @@ from tests.study.workflow.conftest import finish, job, log
 
 
 def status_of(folder: Folder, of: Job) -> JobStatus:
-    return next(s for s in folder.look() if s.job.record == of.record)
+    return next(s for s in folder.job_statuses() if s.job.record == of.record)
 
 
 def test_a_record_is_done(folder: Folder) -> None:
     finish(job(folder))
-    status = Status(folder.look())
+    status = Status(folder.job_statuses())
     assert status.states() == {"done": 3, "missing": 93}
     assert status.cells == (1, 32)
     assert [run.spec.seed for run in status.finished] == [0, 1, 2]
@@ -39,7 +39,7 @@ def test_a_record_that_must_be_made_anew_is_missing(folder: Folder) -> None:
     for each, why in ((fewer, "other seeds"), (more, "other seeds"), (other, "another spec")):
         assert why in (each.reason() or "")
         assert status_of(folder, each).states["missing"] == 3
-    assert Status(folder.look()).finished == []
+    assert Status(folder.job_statuses()).finished == []
 
 
 def test_a_block_under_way(folder: Folder) -> None:
@@ -118,7 +118,7 @@ def test_each_trial_has_a_log_of_its_own(folder: Folder) -> None:
     assert str(first.record).endswith(f"/results/{trial}.parquet")
     assert str(first.log).endswith(f"/logs/{trial}.log")
     log(first, "neol: no\n")
-    assert [s.job for s in folder.look() if s.state == "failed"] == [first]
+    assert [s.job for s in folder.job_statuses() if s.state == "failed"] == [first]
 
 
 def test_a_time_that_is_none_fails_its_job_only(folder: Folder) -> None:
@@ -145,9 +145,9 @@ def test_a_record_that_cannot_be_used_has_failed(folder: Folder) -> None:
 
 def test_a_record_is_read_once(folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     finish(job(folder))
-    before = folder.look()
+    before = folder.job_statuses()
     monkeypatch.setattr(status, "read_footer", None)
-    assert folder.look() == before
+    assert folder.job_statuses() == before
 
 
 def test_looking_changes_nothing(folder: Folder) -> None:

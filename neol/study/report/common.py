@@ -1,4 +1,4 @@
-"""What the modules of this folder are given: a budget, and files that the workflow made before."""
+"""What the programs of this folder share: arguments, verified files of the workflow, templates."""
 
 import argparse
 import hashlib
@@ -48,7 +48,7 @@ def read(path: Path) -> bytes:
         raise UserError(f"{error}; `make report` makes what is missing") from None
 
 
-def vouched(output: Path) -> tuple[bytes, Sidecar]:
+def verified(output: Path) -> tuple[bytes, Sidecar]:
     """The content of a table or figure, and the sidecar that says what made it.
 
     Raises UserError where one is missing, or the file, or one that was made with it (a table's
@@ -66,20 +66,20 @@ def vouched(output: Path) -> tuple[bytes, Sidecar]:
     return content, sidecar
 
 
-def vouched_frame(path: Path) -> pd.DataFrame:
-    """A table's cells, from its CSV. Raises UserError as `vouched` does."""
-    content, _ = vouched(path)
+def verified_frame(path: Path) -> pd.DataFrame:
+    """A table's cells, from its CSV. Raises UserError as `verified` does."""
+    content, _ = verified(path)
     return pd.read_csv(io.BytesIO(content))
 
 
-def vouched_table(campaign: Campaign, figures: Path, name: str) -> tuple[Table, Sidecar]:
+def verified_table(campaign: Campaign, figures: Path, name: str) -> tuple[Table, Sidecar]:
     """A table made anew, which is the one that its file holds.
 
-    Raises UserError where that is not so, or as `vouched` does.
+    Raises UserError where that is not so, or as `verified` does.
     """
     table: Table = getattr(paper_tables, name)(campaign)
     file = figures / f"{name}.csv"
-    content, sidecar = vouched(file)
+    content, sidecar = verified(file)
     if content != table.csv():
         raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it anew")
     return table, sidecar
