@@ -26,7 +26,7 @@ from neol.study.outcomes.baselines import (
     ranking,
     to_confirm,
 )
-from neol.study.report.inputs import render
+from neol.study.report.common import render
 
 NUMBERS = [(method, quantity) for method in BASELINES for quantity in QUANTITIES]
 """What the paper prints of the baselines, each with its standard deviation."""
