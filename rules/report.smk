@@ -117,7 +117,6 @@ rule readings_page:
                 *RESULT_CODE,
                 *python("study/report", "pictures"),
                 "neol/study/report/readings.md.j2",
-                "neol/study/figures/baselines_figure.py",
             }
         ),
     output:

@@ -195,7 +195,7 @@ def test_a_question_under_another_reading(tmp_path: Path) -> None:
     for place in ("default/landing", f"{changed}/landing", "landing"):
         assert f"figures/{place}/claims.md" in planned
 
-    records = "snakemake results/{}/" + cell + " --config budget=landing reading={}"
+    records = "snakemake --cores 1 results/{}/" + cell + " --config budget=landing reading={}"
     options = f"default set={changed.removeprefix('default+')}"
     shell(records.format("default", "default"), tmp_path, tmp_path)
     shell(records.format(changed, options), tmp_path, tmp_path)

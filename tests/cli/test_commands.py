@@ -68,7 +68,7 @@ def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
         "--seed 4-6 --output b.parquet --episodes 2 --max-steps 77 --reward-scale 0.5 "
         "--weight-mutation 0.3 --no-write-back --workers 2 --checkpoint-every 5 --resume "
         "--keep-partial --engine reference --budget smoke --set neat.elitism=1 "
-        "--set network.sum_limit=9",
+        "--reading first+neat.max_stagnation=7 --set network.sum_limit=9",
         monkeypatch,
     )
     assert (spec.task.name, spec.task.max_steps, spec.method) == ("hopper", 77, "bcm")
@@ -77,7 +77,8 @@ def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (spec.plasticity.reward_scale, spec.plasticity.write_back) == (0.5, False)
     assert (spec.neat.weight_mutation, spec.neat.elitism) == (0.3, 1)
     assert (spec.evaluation.episodes, spec.evaluation.held_out_episodes) == (2, 5)
-    assert spec.network.sum_limit == 9
+    assert (spec.network.sum_limit, spec.neat.max_stagnation) == (9, 7)
+    assert spec.neat.crossover_enabled == "redraw_if_disabled"
     del settings["on_generation"]
     assert settings == {
         "seeds": [4, 5, 6],
@@ -88,6 +89,7 @@ def test_every_option_reaches_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
         "resume": True,
         "keep_partial": True,
         "budget": "smoke",
+        "reading": "first+neat.max_stagnation=7",
     }
 
 
@@ -199,3 +201,28 @@ def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:
 def test_an_environment_that_returns_nan_does_not_stop_a_run(tmp_path: Path) -> None:
     assert neol(f"run {TINY} --task gym:NaNReward-v0 --output a.parquet").exit_code == 0
     assert read_record(tmp_path / "a.parquet").table["failed_evaluations"][-1].as_py() > 0
+
+
+@pytest.mark.parametrize(
+    ("readings", "line"),
+    [
+        ("--reading first --reading default", "--reading first --reading default: give one"),
+        ("--reading frist", 'unknown reading "frist", did you mean "first"? (allowed: '),
+        ("--reading first+budget.seeds=3", '"budget.seeds=3": a reading sets no budget'),
+    ],
+)
+def test_a_reading_that_cannot_be_is_refused(readings: str, line: str) -> None:
+    assert refused(f"config {readings}").startswith(f"neol: {line}")
+    run = f"run {TINY} --output a.parquet {readings}"
+    assert refused(run).startswith(f"neol: {line}")
+
+
+def test_a_record_of_another_reading_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run = f"run {TINY} --quiet --output a.parquet"
+    assert neol(f"{run} --reading first").exit_code == 0
+    assert read_record(tmp_path / "a.parquet").reading == "first"
+    line = refused(f"{run} --resume")
+    assert "a.parquet: of another specification: neat.crossover_enabled is " in line

@@ -18,7 +18,7 @@ def record() -> Record:
     """Seeds 0 and 4 of a tiny CartPole run."""
     engine = ReferenceEngine(SPEC.task)
     seeds = [SPEC.model_copy(update={"seed": seed}) for seed in (0, 4)]
-    made = [_record_of(run_seed(spec, engine), "smoke") for spec in seeds]
+    made = [_record_of(run_seed(spec, engine), "smoke", "default") for spec in seeds]
     engine.close()
     return join(reversed(made))
 
@@ -37,5 +37,5 @@ def path(content: bytes, tmp_path: Path) -> Path:
 
 
 def same(one: Record, other: Record) -> bool:
-    described = [(record.spec, record.budget, record.seeds) for record in (one, other)]
+    described = [(record.spec, record.campaign, record.seeds) for record in (one, other)]
     return described[0] == described[1] and one.table.equals(other.table)

@@ -115,6 +115,12 @@ def test_the_specification_is_in_the_footer(
             read_record(path, SPEC)
 
 
+def test_a_record_that_is_older_than_readings_is_of_the_first(path: Path, record: Record) -> None:
+    forge_record(path, lambda metadata, _: metadata.pop("reading"))
+    assert read_record(path).campaign == "first/smoke"
+    assert record.campaign == "default/smoke"
+
+
 def test_what_has_no_specification_is_refused(path: Path) -> None:
     forge_record(path, _other_version)
     with pytest.raises(UserError, match="its schema version is 2"):

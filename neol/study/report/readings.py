@@ -18,7 +18,6 @@ from neol.spec.configuration import READINGS, load_configuration
 from neol.spec.readings import DEFAULT_READING, read_reading
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.search import BASELINES, CONFIRMATION, SCREENING, calls, candidates
-from neol.study.figures.baselines_figure import baselines_figure
 from neol.study.outcomes.baselines import (
     QUANTITIES,
     comparisons,
@@ -27,6 +26,7 @@ from neol.study.outcomes.baselines import (
     to_confirm,
 )
 from neol.study.report.common import render
+from neol.study.report.readings_picture import readings_picture
 
 NUMBERS = [(method, quantity) for method in BASELINES for quantity in QUANTITIES]
 """What the paper prints of the baselines, each with its standard deviation."""
@@ -134,7 +134,7 @@ def write_page(output: Path, results: Path = RESULTS) -> None:
     drawn = stage.table[stage.table["reading"].isin(nearest)]
     drawn = drawn.sort_values("reading", key=lambda names: names.map(nearest), kind="stable")
     write_atomically(output, text.encode())
-    write_picture(baselines_figure(drawn), output.with_suffix(".png"))
+    write_picture(readings_picture(drawn), output.with_suffix(".png"))
 
 
 def confirmation_calls(results: Path = RESULTS) -> list[str]:

@@ -27,7 +27,7 @@ def written(tmp_path: Path, generations: int) -> list[Path]:
         for method in FINAL
     }
     write_campaign(tmp_path, smoke, {chosen[method]: FINAL[method] for method in FINAL})
-    return [next((tmp_path / "smoke").rglob(f"{method}/p006*")) for method in FINAL]
+    return [next((tmp_path / "first" / "smoke").rglob(f"{method}/p006*")) for method in FINAL]
 
 
 @pytest.fixture

@@ -25,6 +25,7 @@ def test_a_table_is_traced_to_its_runs(table: Path) -> None:
     lines = list(trace(table, table.parent.parent))
     assert lines[:2] == ["table3.tex", "table3.csv"]
     assert lines[2].endswith("figures/table3.tex --config budget=smoke tasks=cartpole")
+    assert lines[4].startswith("reading  first (plasticity.reward_scale=0.01, ")
     assert "records  14, of 42 runs" in lines
     assert sum(line.startswith("  seed ") for line in lines) == 42
     assert "results/first/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines
@@ -42,7 +43,8 @@ def test_what_has_become_of_a_record_is_said(table: Path) -> None:
     folder = table.parent.parent / "results/first/smoke/cartpole/neat"
     (folder / "p006/seeds_000-002.parquet").write_bytes(b"other")
     (folder / "p012/seeds_000-002.parquet").unlink()
-    states = [line for line in trace(table, table.parent.parent) if line.endswith(")")]
+    lines = trace(table, table.parent.parent)
+    states = [line for line in lines if line.startswith("results/") and line.endswith(")")]
     assert [line.partition("  ")[2] for line in states] == ["(changed since)", "(not here)"]
 
 

@@ -163,7 +163,10 @@ def test_the_caption_says_the_budget(campaign: Campaign) -> None:
         "Budget smoke, CartPole only: G = 2 generations, 3 seeds, N = 1 episode per evaluation"
         in caption
     )
-    assert caption.endswith("Reduced budget: not the paper's.")
+    assert (
+        "Reduced budget: not the paper's. Reading first: plasticity.reward_scale = 0.01" in caption
+    )
+    assert caption.endswith("neat.crossover_enabled = redraw_if_disabled instead of random_parent.")
 
 
 def test_only_the_papers_budget_is_the_papers() -> None:

@@ -13,7 +13,7 @@ TITLES = {"final": "final best fitness", "mean": "mean best fitness"}
 MARKERS = dict(zip(COUNTINGS, ("o", "s"), strict=True))
 
 
-def baselines_figure(table: pd.DataFrame) -> Figure:
+def readings_picture(table: pd.DataFrame) -> Figure:
     """A panel for each of the paper's four means, a row for each reading in the table's order.
 
     A band is the paper's mean ± SD. A mark is our mean with the 99% predictive interval of the
