@@ -69,8 +69,8 @@ bool Island::read(const b2TimeStep& step) {
     place[i] = {centre.x, centre.y, angle, angle, part.m_xf.q.s, part.m_xf.q.c};
     body_terms[i] = {local_centre.x, local_centre.y, part.m_invMass, part.m_invI};
     if (!part.IsAwake() || !is_below(centre.x, too_far) || !is_below(centre.y, too_far) ||
-        !is_below(angle, too_far) ||
-        !is_below(v.x, too_fast) || !is_below(v.y, too_fast) || !is_below(w, too_fast))
+        !is_below(angle, too_far) || !is_below(v.x, too_fast) || !is_below(v.y, too_fast) ||
+        !is_below(w, too_fast))
       return false;
   }
 
@@ -86,8 +86,7 @@ bool Island::read(const b2TimeStep& step) {
     Velocity<float>& velocity = state.velocity[contact_body[i]];
     const b2Vec2 normal(terms.normal_x, terms.normal_y), along = b2Cross(normal, 1.0f);
     for (int j = 0; j < (terms.two ? 2 : 1); ++j) {
-      const b2Vec2 push =
-          state.contact[i].normal[j] * normal + state.contact[i].tangent[j] * along;
+      const b2Vec2 push = state.contact[i].normal[j] * normal + state.contact[i].tangent[j] * along;
       velocity.turn += terms.inertia * torque(terms.point[j], push.x, push.y);
       velocity.x += terms.mass * push.x;
       velocity.y += terms.mass * push.y;
@@ -153,8 +152,7 @@ bool Island::read_contact(const b2TimeStep& step, b2Contact* contact, int index)
     const float tangent_k = terms.mass + terms.inertia * sideways * sideways;
     point.normal_mass = normal_k > 0.0f ? 1.0f / normal_k : 0.0f;
     point.tangent_mass = tangent_k > 0.0f ? 1.0f / tangent_k : 0.0f;
-    const b2Vec2 rate =
-        b2Vec2(velocity.x, velocity.y) + b2Cross(velocity.turn, arm) - ground_rate;
+    const b2Vec2 rate = b2Vec2(velocity.x, velocity.y) + b2Cross(velocity.turn, arm) - ground_rate;
     const float approach = b2Dot(normal, rate);
     if (approach < -b2_velocityThreshold) point.bias = -contact->m_restitution * approach;
   }
@@ -196,10 +194,8 @@ bool Island::read_contact(const b2TimeStep& step, b2Contact* contact, int index)
 void Island::read_joint(const b2TimeStep& step, int index) {
   const b2RevoluteJoint& hinge_joint = *joint[index];
   const int a = body_a[index], b = body_b[index];
-  const b2Vec2 local_a =
-      hinge_joint.m_localAnchorA - hinge_joint.m_bodyA->m_sweep.localCenter;
-  const b2Vec2 local_b =
-      hinge_joint.m_localAnchorB - hinge_joint.m_bodyB->m_sweep.localCenter;
+  const b2Vec2 local_a = hinge_joint.m_localAnchorA - hinge_joint.m_bodyA->m_sweep.localCenter;
+  const b2Vec2 local_b = hinge_joint.m_localAnchorB - hinge_joint.m_bodyB->m_sweep.localCenter;
   const b2Vec2 arm_a = b2Mul(initial_rotation_[a], local_a);
   const b2Vec2 arm_b = b2Mul(initial_rotation_[b], local_b);
   const float mass_a = hinge_joint.m_bodyA->m_invMass, mass_b = hinge_joint.m_bodyB->m_invMass;

@@ -124,9 +124,7 @@ struct VelocityGroup {
 template <class Parts, int groups>
 void solve_velocities_of(Constraints* const* islands, int count, int iterations) {
   VelocityGroup<Parts> group[groups];
-  const auto members = [&](int g) {
-    return g + 1 < groups ? width : count - g * width;
-  };
+  const auto members = [&](int g) { return g + 1 < groups ? width : count - g * width; };
   for (int g = 0; g < groups; ++g) group[g].read(islands + g * width, members(g));
   for (int iteration = 0; iteration < iterations; ++iteration) {
 #pragma GCC unroll 4
@@ -230,7 +228,7 @@ struct PlaceGroup {
   }
 
   NEOL_INLINE void solve_contacts() {
-    const auto turn = [this](Place<Real>& now) __attribute__((always_inline)) { rotate(now); };
+    const auto turn = [this](Place<Real> & now) __attribute__((always_inline)) { rotate(now); };
     nearest = Real{};
     for (int i = 0; i < Parts::bodies; ++i)
       for (int slot = 0; slot < contacts[i]; ++slot) {
@@ -245,7 +243,7 @@ struct PlaceGroup {
   }
 
   NEOL_INLINE void solve_hinge(int i) {
-    const auto turn = [this](Place<Real>& now) __attribute__((always_inline)) { rotate(now); };
+    const auto turn = [this](Place<Real> & now) __attribute__((always_inline)) { rotate(now); };
     const int a = Parts::body_a[i], b = Parts::body_b[i];
     resolved &= solve_hinge_place(hinge_place[i], body_terms[a], body_terms[b], limited[i], active,
                                   place[a], place[b], turn);
@@ -333,11 +331,13 @@ void solve_places(Constraints* const* islands, int count, int iterations, int le
 
 }  // namespace
 
+namespace vectors {
 #ifdef __FMA__
 const Lanes NEOL_LANES = {width, solve_velocities, solve_places, sines};
 #else
 const Lanes NEOL_LANES = {width, solve_velocities, nullptr, nullptr};
 #endif
+}  // namespace vectors
 
 }  // namespace neol
 

@@ -1,5 +1,6 @@
-// The iterations of several worlds of a task at once, in the lanes of vectors; once for each kind of
-// vector that the build can make (LANES in library.py). All of them give the bits of shortcut.hpp.
+// The iterations of several worlds of a task at once, in the lanes of vectors; once for each kind
+// of vector that the build can make (LANES in library.py). All of them give the bits of
+// shortcut.hpp.
 #pragma once
 
 #include "constraints.hpp"
@@ -26,6 +27,8 @@ struct Lanes {
 };
 constexpr float sines_end = 120;
 
+namespace vectors {
 extern const Lanes sse2, avx2, avx512, neon;
+}
 
 }  // namespace neol

@@ -118,8 +118,8 @@ NEOL_INLINE Mask<Real> solve_hinge_place(const HingePlace<Real>& hinge,
 // `nearest`: the least separation so far.
 template <class Real, class Rotate>
 NEOL_INLINE void solve_contact_point(const ContactPlace<Real>& face, int index,
-                                     const BodyTerms<Real>& body, Mask<Real> active,
-                                     Real& nearest, Place<Real>& place, Rotate rotate) {
+                                     const BodyTerms<Real>& body, Mask<Real> active, Real& nearest,
+                                     Place<Real>& place, Rotate rotate) {
   const Real zero{};
   const Mask<Real> on_ground = face.face_is_ground;
   Place<Real> p = place;
@@ -136,9 +136,8 @@ NEOL_INLINE void solve_contact_point(const ContactPlace<Real>& face, int index,
   const Real plane_y = on_ground ? face.plane_y : there_y;
   Real normal_x = on_ground ? face.normal_x : normal.x;
   Real normal_y = on_ground ? face.normal_y : normal.y;
-  const Real separation =
-      ((point_x - plane_x) * normal_x + (point_y - plane_y) * normal_y) - face.ground_radius -
-      face.part_radius;
+  const Real separation = ((point_x - plane_x) * normal_x + (point_y - plane_y) * normal_y) -
+                          face.ground_radius - face.part_radius;
   normal_x = on_ground ? normal_x : -normal_x;
   normal_y = on_ground ? normal_y : -normal_y;
   const Real arm_x = point_x - p.x, arm_y = point_y - p.y;

@@ -50,11 +50,8 @@ class Simulation {
   // Starts an episode and, as Gymnasium does, takes an idle step.
   void reset(const Pcg64& stream, double* observation) {
     begin(stream);
-    act(idle);
-    time_step.take(seconds, velocity_iterations, position_iterations);
-    sense();
     double reward;
-    observe(idle, observation, &reward);
+    step(idle, observation, &reward);
   }
 
   // The start without the step. The world is a new one, so nothing of an earlier episode reaches
@@ -71,11 +68,13 @@ class Simulation {
 
   // Takes a step: whether the episode has terminated.
   bool step(const float* action, double* observation, double* reward) {
-    advance(action);
+    act(action);
+    time_step.take(seconds, velocity_iterations, position_iterations);
+    sense();
     return observe(action, observation, reward);
   }
 
-  // The physics of a step: forces of the action, the world's time step, ray casts of the sensors.
+  // The physics of a step as Box2D takes it, with the same bits: what all else is measured by.
   void advance(const float* action) {
     act(action);
     world->Step(seconds, velocity_iterations, position_iterations);
@@ -83,6 +82,8 @@ class Simulation {
     sense_plainly();
   }
 
+  // The parts of a step: the forces of the action; ray casts of the sensors after the world's time
+  // step, as they are and through Box2D; what comes of it.
   virtual void act(const float* action) = 0;
   virtual void sense() {}
   virtual void sense_plainly() {}

@@ -34,11 +34,11 @@ struct Velocity {
 // What the iterations read of a hinge with a motor and limits, and do not change.
 template <class Real>
 struct JointTerms {
-  Real mass_a, inertia_a, mass_b, inertia_b;        // inverse
-  Real arm_a_x, arm_a_y, arm_b_x, arm_b_y;          // from the centre of mass to the hinge
+  Real mass_a, inertia_a, mass_b, inertia_b;         // inverse
+  Real arm_a_x, arm_a_y, arm_b_x, arm_b_y;           // from the centre of mass to the hinge
   Real minus_motor_mass, speed, weakest, strongest;  // of the motor; its impulse's range
-  Real k11, k12, k13, k22, k23, k33;                // effective mass, inverse; it is symmetric
-  Real cross_x, cross_y, cross_z;                   // of its second and third column
+  Real k11, k12, k13, k22, k23, k33;                 // effective mass, inverse; it is symmetric
+  Real cross_x, cross_y, cross_z;                    // of its second and third column
   Real inverse_det2, inverse_det3;
   Mask<Real> at_lower, at_upper;  // limits
 };
@@ -55,8 +55,8 @@ struct HingeImpulse {
 
 template <class Real>
 struct PointTerms {
-  Real arm_x, arm_y;                // from the body's centre of mass
-  Real ground_x, ground_y;          // velocity of the ground there: zero, of either sign
+  Real arm_x, arm_y;        // from the body's centre of mass
+  Real ground_x, ground_y;  // velocity of the ground there: zero, of either sign
   Real normal_mass, tangent_mass, bias;
 };
 
@@ -92,12 +92,13 @@ NEOL_INLINE Mask<Real> and_not(Mask<Real> a, Mask<Real> b) {
 
 // `limited`: whether the joint is at a limit in any lane.
 template <class Real>
-NEOL_INLINE void solve_joint(const JointTerms<Real>& joint, bool limited, JointImpulse<Real>& impulse,
-                        HingeImpulse<Real>& hinge, Velocity<Real>& a, Velocity<Real>& b) {
+NEOL_INLINE void solve_joint(const JointTerms<Real>& joint, bool limited,
+                             JointImpulse<Real>& impulse, HingeImpulse<Real>& hinge,
+                             Velocity<Real>& a, Velocity<Real>& b) {
   {
     const Real rate = b.turn - a.turn - joint.speed;
-    const Real total = clamp<Real>(impulse.motor + joint.minus_motor_mass * rate, joint.weakest,
-                                   joint.strongest);
+    const Real total =
+        clamp<Real>(impulse.motor + joint.minus_motor_mass * rate, joint.weakest, joint.strongest);
     const Real change = total - impulse.motor;
     impulse.motor = total;
     a.turn -= joint.inertia_a * change;
@@ -105,8 +106,14 @@ NEOL_INLINE void solve_joint(const JointTerms<Real>& joint, bool limited, JointI
   }
   const Real rate_x = b.x - b.turn * joint.arm_b_y - a.x + a.turn * joint.arm_a_y;
   const Real rate_y = b.y + b.turn * joint.arm_b_x - a.y - a.turn * joint.arm_a_x;
-  Real x = joint.inverse_det2 * (joint.k22 * -rate_x - joint.k12 * -rate_y);
-  Real y = joint.inverse_det2 * (joint.k11 * -rate_y - joint.k12 * -rate_x);
+  const Mask<Real> at_limit = joint.at_lower | joint.at_upper;
+  Real to_x = -rate_x, to_y = -rate_y;
+  if (limited) {  // which pushes already
+    to_x = at_limit ? to_x + impulse.limit * joint.k13 : to_x;
+    to_y = at_limit ? to_y + impulse.limit * joint.k23 : to_y;
+  }
+  Real x = joint.inverse_det2 * (joint.k22 * to_x - joint.k12 * to_y);
+  Real y = joint.inverse_det2 * (joint.k11 * to_y - joint.k12 * to_x);
   if (!limited) {
     a.turn -= joint.inertia_a * (joint.arm_a_x * y - joint.arm_a_y * x);
     b.turn += joint.inertia_b * (joint.arm_b_x * y - joint.arm_b_y * x);
@@ -121,18 +128,14 @@ NEOL_INLINE void solve_joint(const JointTerms<Real>& joint, bool limited, JointI
                                             joint.k12 * (joint.k23 * rate_x - joint.k12 * rate_z) +
                                             joint.k13 * (joint.k12 * rate_y - joint.k22 * rate_x)));
     const Real total = impulse.limit + z3;
-    const Mask<Real> at_limit = joint.at_lower | joint.at_upper;
     const Mask<Real> leaves =
         (joint.at_lower & (total < Real{})) | (joint.at_upper & (total > Real{}));
-    const Real reduced_x = -rate_x + impulse.limit * joint.k13;
-    const Real reduced_y = -rate_y + impulse.limit * joint.k23;
-    const Real x2 = joint.inverse_det2 * (joint.k22 * reduced_x - joint.k12 * reduced_y);
-    const Real y2 = joint.inverse_det2 * (joint.k11 * reduced_y - joint.k12 * reduced_x);
-    x = leaves ? x2 : at_limit ? x3 : x;
-    y = leaves ? y2 : at_limit ? y3 : y;
+    const Mask<Real> stays = and_not<Real>(at_limit, leaves);
+    x = stays ? x3 : x;
+    y = stays ? y3 : y;
     // Away from a limit there is no third term: to add -0 changes nothing, not even a zero's sign.
-    const Real z = leaves ? -impulse.limit : at_limit ? z3 : -Real{};
-    impulse.limit = leaves ? Real{} : at_limit ? total : impulse.limit;
+    const Real z = leaves ? -impulse.limit : stays ? z3 : -Real{};
+    impulse.limit = leaves ? Real{} : stays ? total : impulse.limit;
     a.turn -= joint.inertia_a * (joint.arm_a_x * y - joint.arm_a_y * x + z);
     b.turn += joint.inertia_b * (joint.arm_b_x * y - joint.arm_b_y * x + z);
   }
@@ -146,7 +149,8 @@ NEOL_INLINE void solve_joint(const JointTerms<Real>& joint, bool limited, JointI
 
 // Velocity of a point of contact relative to the ground, along a direction.
 template <class Real>
-NEOL_INLINE Real rate_along(const PointTerms<Real>& point, const Velocity<Real>& body, Real x, Real y) {
+NEOL_INLINE Real rate_along(const PointTerms<Real>& point, const Velocity<Real>& body, Real x,
+                            Real y) {
   return (body.x - body.turn * point.arm_y - point.ground_x) * x +
          (body.y + body.turn * point.arm_x - point.ground_y) * y;
 }
@@ -158,12 +162,11 @@ NEOL_INLINE Real torque(const PointTerms<Real>& point, Real x, Real y) {
 
 template <class Real>
 NEOL_INLINE void solve_friction(const ContactTerms<Real>& contact, const PointTerms<Real>& point,
-                           Real normal, Real& tangent, Velocity<Real>& body) {
+                                Real normal, Real& tangent, Velocity<Real>& body) {
   const Real along_x = contact.normal_y, along_y = -contact.normal_x;
   const Real most = contact.friction * normal;
-  const Real total =
-      clamp<Real>(tangent + point.tangent_mass * -rate_along(point, body, along_x, along_y), -most,
-                  most);
+  const Real total = clamp<Real>(
+      tangent + point.tangent_mass * -rate_along(point, body, along_x, along_y), -most, most);
   const Real change = total - tangent;
   const Real x = change * along_x, y = change * along_y;
   tangent = total;
@@ -175,7 +178,7 @@ NEOL_INLINE void solve_friction(const ContactTerms<Real>& contact, const PointTe
 // The block solver: the first that is valid of the four cases of which points push, or else none.
 template <class Real>
 NEOL_INLINE Mask<Real> solve_two_points(const ContactTerms<Real>& contact, Real rate1, Real rate2,
-                                   const Real (&old)[2], Real& x, Real& y) {
+                                        const Real (&old)[2], Real& x, Real& y) {
   const Real zero{};
   const Real b1 = rate1 - contact.point[0].bias - (contact.k11 * old[0] + contact.k12 * old[1]);
   const Real b2 = rate2 - contact.point[1].bias - (contact.k12 * old[0] + contact.k22 * old[1]);
@@ -197,7 +200,7 @@ NEOL_INLINE Mask<Real> solve_two_points(const ContactTerms<Real>& contact, Real 
 // `two`: whether the contact has two points in any lane.
 template <class Real>
 NEOL_INLINE void solve_contact(const ContactTerms<Real>& contact, bool two,
-                          ContactImpulse<Real>& impulse, Velocity<Real>& velocity) {
+                               ContactImpulse<Real>& impulse, Velocity<Real>& velocity) {
   const PointTerms<Real>&first = contact.point[0], &second = contact.point[1];
   const Real normal_x = contact.normal_x, normal_y = contact.normal_y;
   Velocity<Real> body = velocity;

@@ -1,10 +1,14 @@
-// Plays episodes of a task twice, a batch of simulations on a path and each of them on the plain
-// one, and compares observations, rewards and ends after each step, and on a share of the steps all
-// that the worlds hold. Prints how many steps were compared, how many worlds failed an assertion of
-// Box2D, and the path; at the first difference, what differs, and exits with 1.
+// `paths sines PATH`: compares the lanes' sines and cosines with the C library's, of every angle
+// that the lanes take and that is not its own sine. Prints how many were compared, and differ.
+//
+// Else plays episodes of a task twice, a batch of simulations on a path and each of them on the
+// plain one, and compares observations, rewards and ends after each step, and on a share of the
+// steps all that the worlds hold. Prints how many steps were compared, how many worlds failed an
+// assertion of Box2D, and the path; at the first difference, what differs, and exits with 1.
 //
 // Arguments: path, task, size of the batch, steps of it, velocity iterations, every how many steps
-// the worlds are compared whole. One walker of eight is given actions that are not numbers, once.
+// the worlds are compared whole. The third walker is given actions that are not numbers, once.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +19,7 @@
 #include <vector>
 
 #include "bipedal_walker.hpp"
+#include "lanes.hpp"
 #include "lockstep.hpp"
 #include "lunar_lander.hpp"
 
@@ -53,8 +58,8 @@ struct Snapshot {
       add("resting", body->m_sleepTime);
       for (const b2Fixture* fixture = body->GetFixtureList(); fixture; fixture = fixture->GetNext())
         for (int i = 0; i < fixture->m_proxyCount; ++i) {
-          const b2AABB& box = world.GetContactManager().m_broadPhase.GetFatAABB(
-              fixture->m_proxies[i].proxyId);
+          const b2AABB& box =
+              world.GetContactManager().m_broadPhase.GetFatAABB(fixture->m_proxies[i].proxyId);
           add("box", box.lowerBound);
           add("box", box.upperBound);
         }
@@ -94,7 +99,8 @@ std::unique_ptr<Simulation> make(int task) {
   return std::make_unique<neol::BipedalWalker>(task == 2);
 }
 
-// A simulation and its twin on the plain path, steered by a random linear policy.
+// A simulation and its twin on the plain path, steered by a random linear policy,
+// or a lander by one that lands.
 class Pair {
  public:
   Pair(int pair_task, unsigned seed)
@@ -111,6 +117,7 @@ class Pair {
     plain->observe(plain->idle, expected, &reward);
     for (int i = 0; i < 24; ++i)
       if (!same(observation[i], expected[i])) std::printf("a reset differs\n"), std::exit(1);
+    lands = task == 0 && std::bernoulli_distribution(0.5)(random);
     steps_left = std::uniform_int_distribution(50, 700)(random);
   }
 
@@ -128,9 +135,20 @@ class Pair {
       int best = 0;
       for (int i = 1; i < 4; ++i)
         if (outputs[i] > outputs[best]) best = i;
-      action[0] = static_cast<float>(best);
+      action[0] = static_cast<float>(lands ? land() : best);
     }
     if (poisoned) action[1] = action[3] = std::nanf("");
+  }
+
+  // Gymnasium's own demonstration for the lander, which ends on both legs.
+  int land() const {
+    const double* s = observation;
+    const bool down = s[6] > 0 || s[7] > 0;
+    const double tilt = std::clamp(0.5 * s[0] + s[2], -0.4, 0.4);
+    const double turn = down ? 0 : 0.5 * (tilt - s[4]) - s[5];
+    const double lift = down ? -0.5 * s[3] : 0.5 * (0.55 * std::abs(s[0]) - s[1]) - 0.5 * s[3];
+    if (lift > std::abs(turn) && lift > 0.05) return 2;
+    return turn < -0.05 ? 3 : turn > 0.05 ? 1 : 0;
   }
 
   bool step_plain() {
@@ -147,18 +165,53 @@ class Pair {
   std::unique_ptr<Simulation> tested, plain;
   double weights[4 * 25] = {}, observation[24] = {};
   float action[4] = {};
+  bool lands = false;
   int steps_left = 0;
 };
 
+// Of both signs.
+void compare_sines(const neol::Lanes& lanes) {
+  std::uint32_t begin, end;
+  const float smallest = 0x1p-13f;
+  std::memcpy(&begin, &smallest, sizeof begin);
+  std::memcpy(&end, &neol::sines_end, sizeof end);
+  constexpr int block = 1 << 12;
+  std::vector<float> angles(block), sines(block), cosines(block);
+  std::uint64_t compared = 0, different = 0;
+  for (const std::uint32_t sign : {0u, 1u << 31})
+    for (std::uint32_t next = begin; next < end; next += block) {
+      for (std::uint32_t i = 0; i < block; ++i) {
+        const std::uint32_t bits = std::min(next + i, end - 1) | sign;
+        std::memcpy(&angles[i], &bits, sizeof bits);
+      }
+      lanes.sines(angles.data(), sines.data(), cosines.data(), block);
+      for (std::size_t i = 0; i < block; ++i) {
+        ++compared;
+        different += sines[i] != std::sin(angles[i]) || cosines[i] != std::cos(angles[i]);
+      }
+    }
+  std::printf("%llu %llu\n", static_cast<unsigned long long>(compared),
+              static_cast<unsigned long long>(different));
+}
+
+Path path_of(const std::string& name) {
+  int index = 0;
+  while (path_names[index] != name) ++index;
+  return static_cast<Path>(index);
+}
+
 }  // namespace
 
-int main(int, char** arguments) {
-  const std::string name = arguments[1];
-  int path_index = 0;
-  while (path_names[path_index] != name) ++path_index;
-  const Path path = static_cast<Path>(path_index);
-  if (!neol::available(path)) {
+int main(int count, char** arguments) {
+  const std::string name = arguments[count > 3 ? 1 : 2];
+  const Path path = path_of(name);
+  const neol::Lanes* lanes = neol::lanes_of(path);
+  if (!neol::available(path) || (count == 3 && !neol::has_exact_sines(path))) {
     std::printf("unavailable\n");
+    return 0;
+  }
+  if (count == 3) {
+    compare_sines(*lanes);
     return 0;
   }
   const int task = std::atoi(arguments[2]), size = std::atoi(arguments[3]);
@@ -173,7 +226,7 @@ int main(int, char** arguments) {
     std::vector<Simulation*> simulations;
     std::vector<const float*> actions;
     for (int i = 0; i < size; ++i) {
-      pairs[static_cast<std::size_t>(i)].decide(step == 40 && i % 8 == 2);
+      pairs[static_cast<std::size_t>(i)].decide(step == 40 && i == 2);
       pairs[static_cast<std::size_t>(i)].tested->velocity_iterations = iterations;
       simulations.push_back(pairs[static_cast<std::size_t>(i)].tested.get());
       actions.push_back(pairs[static_cast<std::size_t>(i)].action);
