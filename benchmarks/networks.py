@@ -65,10 +65,13 @@ def large(spec: RunSpec, size: tuple[int, int], population: int) -> Networks:
 
 
 def recording_of(spec: RunSpec, engine: Engine, networks: Networks, steps: int) -> Recording:
-    """Episodes of these networks, one each, over and over until there are about so many steps."""
+    """Episodes of these networks, one each, over and over until there are about so many steps.
+
+    All networks play at least once: fewer episodes would not fill the engine's slots.
+    """
     seeds = episode_seeds(spec.seed, 1, networks.population, 1)
     once = int(engine.evaluate(networks, seeds, spec.plasticity).steps.sum())
-    count = max(1, round(steps / once * networks.population))
+    count = max(networks.population, round(steps / once * networks.population))
     repeated = _cycle(networks, count)
     return record(
         spec.task, engine, repeated, episode_seeds(spec.seed, 2, count, 1), spec.plasticity
@@ -84,12 +87,7 @@ def _cycle(networks: Networks, count: int) -> Networks:
 def join(batches: list[Networks]) -> Networks:
     """One batch of several, in order."""
     first = batches[0]
-    return Networks(
-        inputs=first.inputs,
-        outputs=first.outputs,
-        activation=first.activation,
-        sum_limit=first.sum_limit,
-        activation_scale=first.activation_scale,
+    return first._replace(
         node_offset=_offsets([batch.node_offset for batch in batches]),
         bias=np.concatenate([batch.bias for batch in batches]),
         edge_offset=_offsets([batch.edge_offset for batch in batches]),

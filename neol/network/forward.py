@@ -51,12 +51,7 @@ class Networks(NamedTuple):
         """The networks begin to end, as a batch of their own."""
         first, last = self.node_offset[begin], self.node_offset[end]
         edges = slice(self.edge_offset[first], self.edge_offset[last])
-        return Networks(
-            inputs=self.inputs,
-            outputs=self.outputs,
-            activation=self.activation,
-            sum_limit=self.sum_limit,
-            activation_scale=self.activation_scale,
+        return self._replace(
             node_offset=self.node_offset[begin : end + 1] - first,
             bias=self.bias[first:last],
             edge_offset=self.edge_offset[first : last + 1] - self.edge_offset[first],

@@ -54,7 +54,18 @@ def test_the_peer_s_network_learns_as_the_project_s(rule: str) -> None:
     weight = np.array([w for output in range(2) for _, w in links[output]])
     source = np.array([-1 - key for output in range(2) for key, _ in links[output]])
     threshold = np.zeros(2)
-    networks = Networks(4, 2, 0, 50.0, np.array([0, 2]), bias, np.array([0, 4, 8]), source, weight)
+    networks = Networks(
+        inputs=4,
+        outputs=2,
+        activation=0,
+        sum_limit=50.0,
+        activation_scale=1.0,
+        node_offset=np.array([0, 2]),
+        bias=bias,
+        edge_offset=np.array([0, 4, 8]),
+        source=source,
+        weight=weight,
+    )
     learning = Learning(compiled(rule), 1.0, 0.1, 10.0, threshold)
     of_peer = {0: 0.0, 1: 0.0}
     for step in range(5):
