@@ -26,14 +26,14 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
 
     if choice != "reference":
         from neol.rollout.fast import fast_engine
-        from neol.rollout.worlds.box2d.library import TASKS
+        from neol.rollout.worlds import WORLDS
 
         engine = fast_engine(task, workers)
         if isinstance(engine, Engine):
             return engine
         if choice == "fast":
             raise UserError(f"no fast engine for {task.environment}: {engine}; use --engine auto")
-        if task.environment in ("Hopper-v4", *TASKS):
+        if task.environment in WORLDS:
             notice = f"{NOTICE}the reference engine plays {task.environment}: {engine}"
             print(notice, file=sys.stderr)
     if workers == 1:

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from importlib import import_module
 from typing import Protocol
 
 import numpy as np
@@ -13,7 +13,7 @@ from neol.base.interruption import stop_if_asked
 from neol.network.forward import Networks
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, Slots, World
-from neol.rollout.worlds.box2d import library as box2d
+from neol.rollout.worlds import WORLDS
 from neol.spec.constants import Plasticity, Task
 
 
@@ -80,29 +80,10 @@ class FastEngine:
 
 def fast_engine(task: Task, workers: int = 1) -> Engine | str:
     """The compiled engine of a task, spread over threads, or in one phrase why there is none."""
-    make_simulation: Callable[[], Simulation]
-    if task.environment == "CartPole-v1":
-        from neol.rollout.worlds import cartpole
-
-        make_simulation = cartpole.Simulation
-    elif task.environment == "Hopper-v4":
-        from neol.rollout.worlds import hopper
-
-        if not hopper.TELLS_ADDRESSES:
-            return "this version of mujoco does not say where its structs lie"
-        make_simulation = hopper.Simulation
-    elif task.environment in box2d.TASKS:
-        if task.environment != "LunarLander-v3" and not task.fresh_world:
-            return "its C++ core plays every episode in a fresh world"
-        library = box2d.load()
-        if isinstance(library, str):
-            return library
-        from neol.rollout.worlds.box2d import environment
-
-        path = box2d.chosen_path(library)
-        make_simulation = partial(
-            environment.Simulation, library, task.environment, path, box2d.SLOTS[path]
-        )
-    else:
+    if task.environment not in WORLDS:
         return "only the reference engine knows it"
+    module = import_module(f"neol.rollout.worlds.{WORLDS[task.environment]}")
+    make_simulation: Callable[[], Simulation] | str = module.simulations(task)
+    if isinstance(make_simulation, str):
+        return make_simulation
     return FastEngine(make_simulation, task.max_steps, workers)

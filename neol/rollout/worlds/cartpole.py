@@ -4,6 +4,7 @@ The state is float64; an observation is the state rounded to float32, widened ag
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State, uniform
 from neol.rollout.episodes import Batch, Slots, play_batch
+from neol.spec.constants import Task
 
 Array = npt.NDArray[np.float64]
 
@@ -89,3 +91,8 @@ class Simulation:
     def __init__(self, slots: int = 1) -> None:
         self.slots = slots
         self.world = World(np.empty((slots, 4)))
+
+
+def simulations(_task: Task) -> Callable[[], Simulation]:
+    """What makes simulations of the task."""
+    return Simulation

@@ -7,6 +7,7 @@ nor the next step reads.
 
 import ctypes
 import math
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
@@ -19,6 +20,7 @@ from neol.base.c_calls import address, call_void
 from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State, uniform
 from neol.rollout.episodes import Batch, Slots, play_batch
+from neol.spec.constants import Task
 
 Array = npt.NDArray[np.float64]
 
@@ -151,3 +153,10 @@ class Simulation:
             velocity=self._data.qvel,
             control=self._data.ctrl,
         )
+
+
+def simulations(_task: Task) -> Callable[[], Simulation] | str:
+    """What makes simulations of the task, or why nothing can."""
+    if not TELLS_ADDRESSES:
+        return "this version of mujoco does not say where its structs lie"
+    return Simulation

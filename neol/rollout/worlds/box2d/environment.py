@@ -6,6 +6,8 @@ Gymnasium's environment is new for each episode.
 
 import ctypes
 import weakref
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +17,9 @@ from neol.base.c_calls import address, call_void
 from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State
 from neol.rollout.episodes import Batch, Slots, play_batch
+from neol.rollout.worlds.box2d import library as box2d
 from neol.rollout.worlds.box2d.library import PATHS, TASKS
+from neol.spec.constants import Task
 
 Array = npt.NDArray[np.float64]
 
@@ -82,3 +86,14 @@ class Simulation:
             discrete=environment == "LunarLander-v3",
             action=np.zeros((slots, 4), dtype=np.float32),
         )
+
+
+def simulations(task: Task) -> Callable[[], Simulation] | str:
+    """What makes groups of simulations of the task, or why nothing can."""
+    if task.environment != "LunarLander-v3" and not task.fresh_world:
+        return "its C++ core plays every episode in a fresh world"
+    library = box2d.load()
+    if isinstance(library, str):
+        return library
+    path = box2d.chosen_path(library)
+    return partial(Simulation, library, task.environment, path, box2d.SLOTS[path])
