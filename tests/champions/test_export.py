@@ -34,6 +34,7 @@ def outputs_of(player: Player, trace: Trace) -> npt.NDArray[np.float64]:
     return trace.activities[:, -player.network.outputs :]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("task", "activation"), CASES)
 def test_the_json_says_all_that_is_needed(
     task: str, activation: str, player_of: MakePlayer

@@ -98,6 +98,7 @@ def test_a_champion_that_does_not_learn_is_refused(player_of: MakePlayer) -> Non
         plasticity_figure(player, player.play(player.held_out_seeds[0]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
 def test_the_same_champion_is_the_same_file(
     kind: str, player_of: MakePlayer, tmp_path: Path

@@ -34,7 +34,7 @@ LAUGHS = "\n".join(
     [
         (LAUGHS, "test, line 1: more than 32768 values"),
         ("&a [*a]", "test, line 1: more than 32768 values"),
-        ("[" * 2000 + "]" * 2000, "test: nested too deeply"),
+        pytest.param("[" * 2000 + "]" * 2000, "test: nested too deeply", marks=pytest.mark.slow),
         ("9" * 5000, "test: not a value of its kind"),
         ("!!int one", "test: not a value of its kind"),
         ("!!bool one", "test: not a value of its kind"),

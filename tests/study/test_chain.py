@@ -121,6 +121,7 @@ def check_what_the_paper_does_not_show(folder: Path) -> None:
     assert [float(better[name]) for name in ("a12", "difference", "pairs")] == [1, 10, 3]
 
 
+@pytest.mark.slow
 def test_tables_and_figures_show_the_runs_as_they_were_made(results: Path) -> None:
     """By hand: seeds at -1, 0, 1 around a cell's mean, 2 and 1 more in the generations before.
 

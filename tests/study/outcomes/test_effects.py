@@ -16,6 +16,8 @@ from neol.study.outcomes.outcomes import Outcomes, gather
 from neol.study.outcomes.statistics import mean_interval
 from tests.helpers.made_up import configuration, write_campaign
 
+pytestmark = pytest.mark.slow
+
 TASKS = ("cartpole", "hopper")
 BCM = {task: Cell(task, "bcm", 12, 0.0025) for task in TASKS}
 
@@ -112,7 +114,6 @@ def test_score_grows_with_the_population_where_efficiency_does_not(tmp_path: Pat
     assert by_population[12] == pytest.approx(2 * by_population[6])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("runs", ["none", "one", "all equal"])
 def test_degenerate_runs_can_be_drawn(runs: str, tmp_path: Path) -> None:
     seeds = {"none": [None] * 3, "one": [1.0, None, None], "all equal": [1.0] * 3}[runs]
