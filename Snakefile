@@ -31,7 +31,7 @@ onerror:
 
 rule all:
     input:
-        list(BLOCKS),
+        GRID_RECORDS,
         made(),
         REPORT,
 
@@ -58,7 +58,7 @@ rule beyond:
 
 rule records:
     input:
-        list(BLOCKS),
+        GRID_RECORDS,
 
 
 # The profile forces what this rule matches: exactly the records that must be made.

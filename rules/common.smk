@@ -9,8 +9,8 @@ from neol.run.record_file import records_below
 from neol.run.workspace import remove_if_complete
 from neol.spec.readings import with_changes
 from neol.study.campaign.cost import walltime_minutes
-from neol.study.campaign.grid import blocks
-from neol.study.campaign.jobs import jobs
+from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.jobs import SENSITIVITY, jobs
 from neol.study.campaign.search import CONFIRMATION, SCREENING
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
@@ -55,8 +55,8 @@ RESULTS_PAGE = (
     else f"docs/results-{LABEL.replace('/', '-')}.md"
 )
 ALIVE = clear_stale_locks()
-BLOCKS = {str(block.record): block for block in blocks(CONFIGURATION)}
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
+GRID_RECORDS = [path for path, job in JOBS.items() if job.part != SENSITIVITY]
 
 
 def tidy():
@@ -124,7 +124,7 @@ def inputs(together):
         "code": FIGURE_CODE if drawn else TABLE_CODE,
         "paper": sorted(glob("paper/reference/*.csv")),
         "also": sorted(also),
-        "records": sorted(map(str, read)),
+        "records": sorted(str(RESULTS / path) for path in read),
     }
 
 

@@ -29,7 +29,7 @@ rule showcase:
             "neol/study/report/showcase.py",
             *sorted({*RESULT_CODE, *python("champions", "pictures")}),
         ],
-        records=list(map(str, records(CONFIGURATION, "table3"))),
+        records=[str(RESULTS / path) for path in records(CONFIGURATION, "table3")],
     output:
         CHAMPIONS,
     log:

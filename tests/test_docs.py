@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from neol.spec.configuration import ROOT, budgets, load_configuration
-from neol.study.campaign.grid import blocks, cells
+from neol.study.campaign.grid import RESULTS, blocks, cells
 from neol.study.campaign.shown import select
 from neol.study.output.captions import describe_generations
 
@@ -80,7 +80,7 @@ def test_the_readme_knows_the_budgets_and_their_records() -> None:
             f"| `{name}` | {describe_generations(budget)} | {budget.seed_count} | {populations} "
             f"| {len(budget.learning_rates)} | {runs:,} |"
         ) in text
-        records |= {str(block.record) for block in blocks(configuration)}
+        records |= {str(RESULTS / block.record) for block in blocks(configuration)}
     assert set(re.findall(r"results/\S+\.parquet", text)) <= records
 
 

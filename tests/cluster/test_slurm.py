@@ -25,7 +25,7 @@ from neol.run.record_file import read_record
 from neol.run.runner import run_seed
 from neol.run.workspace import partial_folder
 from neol.spec.configuration import Configuration, load_configuration
-from neol.study.campaign.grid import Block, blocks, run_specs
+from neol.study.campaign.grid import RESULTS, Block, blocks, run_specs
 from tests.cluster.slurm import missing, slurm
 from tests.workflow.clone import fresh_clone
 
@@ -103,7 +103,8 @@ def different(clone: Path, configuration: Configuration, some: list[Block]) -> l
     for block in some:
         specs = run_specs(configuration, block)
         with closing(make_engine(specs[0].task)) as engine:
-            for spec, info in zip(specs, read_record(clone / block.record).seeds, strict=True):
+            record = read_record(clone / RESULTS / block.record)
+            for spec, info in zip(specs, record.seeds, strict=True):
                 if info.digest != run_seed(spec, engine).digest:
                     found.append(f"{block.record} seed {spec.seed}")
     return found
@@ -119,13 +120,14 @@ def sample() -> list[Block]:
 
 def test_a_campaign_has_the_same_digests_as_here(clone: Path, cluster: Environment) -> None:
     some = blocks(SMOKE) if WHOLE else sample()
+    records = [RESULTS / block.record for block in some]
     succeeds(
-        submit(clone, cluster, *(str(block.record) for block in some), "--config", "budget=smoke"),
+        submit(clone, cluster, *map(str, records), "--config", "budget=smoke"),
         clone,
     )
     assert different(clone, SMOKE, some) == []
     left = [path for path in (clone / "results" / "smoke").rglob("*") if path.is_file()]
-    assert sorted(left) == sorted(clone / block.record for block in some)
+    assert sorted(left) == sorted(clone / record for record in records)
 
 
 class Watch:
@@ -140,7 +142,7 @@ class Watch:
 
     def look(self) -> None:
         for block in self.blocks:
-            folder = partial_folder(self.clone / block.record)
+            folder = partial_folder(self.clone / RESULTS / block.record)
             for spec in run_specs(self.configuration, block):
                 path = folder / f"seed_{spec.seed:06}.npz"
                 with suppress(UserError):  # not there, or no longer

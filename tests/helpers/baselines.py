@@ -4,7 +4,7 @@ from pathlib import Path
 
 from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
-from neol.study.campaign.grid import RESULTS, run_specs
+from neol.study.campaign.grid import run_specs
 from neol.study.campaign.search import SCREENING, baseline_blocks, source
 from tests.helpers.made_up import run
 
@@ -34,6 +34,6 @@ def write_baseline(
         (spec,) = run_specs(configuration, block)
         decline = (mean - final) / ((spec.generations - 1) / 2)
         record = run(spec, budget, final + scale * (place - middle), configuration.reading, decline)
-        path = results / block.record.relative_to(RESULTS)
+        path = results / block.record
         path.parent.mkdir(parents=True, exist_ok=True)
         write_record(path, record)

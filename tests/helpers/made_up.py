@@ -12,7 +12,7 @@ from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, 
 from neol.run.record_file import write_record
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
-from neol.study.campaign.grid import RESULTS, Block, Cell, blocks, run_specs
+from neol.study.campaign.grid import Block, Cell, blocks, run_specs
 from neol.study.campaign.shown import SHOWN_READING
 from neol.study.campaign.variants import trials
 
@@ -56,7 +56,7 @@ def write_campaign(
             if value is not None
         ]
         if runs:
-            path = results / block.record.relative_to(RESULTS)
+            path = results / block.record
             path.parent.mkdir(parents=True, exist_ok=True)
             write_record(path, join(runs))
 
@@ -68,7 +68,7 @@ def write_trials(results: Path, configuration: Configuration, gains: Mapping[str
     """
     for name, gain in gains.items():
         for trial in trials(configuration, name):
-            path = results / trial.record.relative_to(RESULTS)
+            path = results / trial.record
             path.parent.mkdir(parents=True, exist_ok=True)
             specs = [trial.spec.model_copy(update={"seed": seed}) for seed in trial.seeds]
             budget, reading = configuration.budget.name, configuration.reading

@@ -12,7 +12,7 @@ import pytest
 
 from neol.run.workspace import finished_path, partial_folder
 from neol.spec.configuration import load_configuration
-from neol.study.campaign.grid import blocks, paper_cells
+from neol.study.campaign.grid import RESULTS, blocks, paper_cells
 from neol.study.campaign.jobs import jobs
 from neol.study.campaign.shown import DEFAULT_BUDGET, SHOWN_READING, select
 from neol.study.output.sidecar import trace
@@ -47,7 +47,8 @@ def test_everything_of_the_papers_budget(clone: Path) -> None:
 def test_table_1_of_the_papers_budget_needs_only_the_papers_configurations(clone: Path) -> None:
     paper = load_configuration("paper")
     cells = paper_cells(paper, table=3).values()
-    runs = missing(clone, [block.record for block in blocks(paper) if block.cell in cells])
+    records = [RESULTS / block.record for block in blocks(paper) if block.cell in cells]
+    runs = missing(clone, records)
     target = "figures/paper/table1.tex"
     assert planned(clone, target, "--config", "budget=paper") == {"run": runs, "tables_notebook": 1}
 
@@ -77,7 +78,7 @@ def test_shipped_records_are_used_as_they_are(clone: Path) -> None:
 
 def test_some_tasks_of_a_budget_need_only_their_runs(clone: Path) -> None:
     assert planned(clone, *DEMO, "tasks=cartpole") == NOTEBOOKS
-    records = [block.record for block in blocks(select("paper", "cartpole"))]
+    records = [RESULTS / block.record for block in blocks(select("paper", "cartpole"))]
     plan = planned(clone, "records", "--config", "budget=paper", "tasks=cartpole")
     assert plan.get("run", 0) == missing(clone, records)
 
@@ -100,13 +101,13 @@ def test_tables_of_some_tasks_say_so(clone: Path) -> None:
 
 
 def test_a_record_that_is_there_is_no_error_to_ask_for(clone: Path) -> None:
-    record = str(blocks(load_configuration("demo"))[0].record)
+    record = str(RESULTS / blocks(load_configuration("demo"))[0].record)
     assert planned(clone, record, "--config", "budget=demo") == {}
 
 
 def test_a_dry_run_changes_nothing(clone: Path) -> None:
     """Not even what a campaign still needs that is under way: the seeds of a complete record."""
-    record = clone / blocks(load_configuration("demo"))[0].record
+    record = clone / RESULTS / blocks(load_configuration("demo"))[0].record
     seed = finished_path(partial_folder(record), 0)
     seed.parent.mkdir()
     shutil.copy(record, seed)
@@ -124,7 +125,8 @@ def tree(folder: Path) -> list[tuple[Path, int]]:
 
 
 def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
-    record = clone / random.Random(1).choice(blocks(load_configuration("demo"))).record
+    block = random.Random(1).choice(blocks(load_configuration("demo")))
+    record = clone / RESULTS / block.record
     aside = record.rename(record.with_suffix(".aside"))
     try:
         assert planned(clone, *DEMO) == NOTEBOOKS | {"run": 1}
@@ -153,7 +155,7 @@ def test_a_changed_constant_plans_the_runs_that_it_affects_and_says_why(
     old: str, new: str, methods: set[str], reason: str, clone: Path
 ) -> None:
     every = blocks(load_configuration("demo"))
-    affected = [block.record for block in every if block.cell.method in methods]
+    affected = [RESULTS / block.record for block in every if block.cell.method in methods]
     with edited(clone / "config" / "base.yaml", old, new):
         said = snakemake(clone, *DEMO, "--dry-run").stdout
     assert set(re.findall(r"^Job \d+: (.*)$", said, re.MULTILINE)) == {

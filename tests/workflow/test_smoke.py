@@ -22,7 +22,7 @@ import pytest
 from neol.run.record_file import read_record, write_record
 from neol.spec.configuration import ROOT, load_configuration
 from neol.spec.plain_yaml import parse_yaml
-from neol.study.campaign.grid import blocks
+from neol.study.campaign.grid import RESULTS, blocks
 from neol.study.outcomes.chosen_cells import candidates
 from neol.study.output.sidecar import trace
 from neol.study.workflow.exhibits import EXHIBITS
@@ -34,7 +34,9 @@ pytestmark = pytest.mark.slow
 TARGET = str(FIGURES / "table1.tex")
 CONFIGURATION = load_configuration("smoke")
 SHOWN = {cell for cells in candidates(CONFIGURATION).values() for cell in cells}
-RECORDS = {block.record: block.cell for block in blocks(CONFIGURATION) if block.cell in SHOWN}
+RECORDS = {
+    RESULTS / block.record: block.cell for block in blocks(CONFIGURATION) if block.cell in SHOWN
+}
 
 
 @pytest.fixture(scope="module")

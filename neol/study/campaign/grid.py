@@ -35,7 +35,7 @@ class Block:
     """Seeds `first` to `last` of a cell: what one job runs and one record holds."""
 
     home: Path
-    """The folder of its campaign: results/first/smoke."""
+    """The folder of its campaign, below the results folder: first/smoke."""
     cell: Cell
     first: int
     last: int
@@ -46,14 +46,14 @@ class Block:
 
     @property
     def record(self) -> Path:
-        """results/first/smoke/cartpole/hebb/p050_lr0.00025/seeds_000-004.parquet"""
+        """Below the results folder: first/smoke/cartpole/hebb/p050_lr0.25/seeds_000-004.parquet."""
         name = f"seeds_{self.first:03d}-{self.last:03d}.parquet"
         return self.home / self.cell.folder / name
 
 
 def home(configuration: Configuration) -> Path:
-    """The folder of a budget's records under a reading: results/first/smoke."""
-    return RESULTS / campaign_name(configuration.reading, configuration.budget.name)
+    """The folder of a budget's records under a reading, below the results folder: first/smoke."""
+    return Path(campaign_name(configuration.reading, configuration.budget.name))
 
 
 def cells(configuration: Configuration) -> list[Cell]:

@@ -77,9 +77,8 @@ def jobs(configuration: Configuration, results: Path = RESULTS) -> Iterator[Job]
     logs = results.absolute().parent / "logs"
 
     def job(
-        place: Path, part: str, spec: RunSpec, seeds: range, overrides: Sequence[str] = ()
+        below: Path, part: str, spec: RunSpec, seeds: range, overrides: Sequence[str] = ()
     ) -> Job:
-        below = place.relative_to(RESULTS)
         log = (logs / below).with_suffix(".log")
         return Job(results / below, log, reading, budget, part, spec, seeds, overrides)
 

@@ -15,7 +15,7 @@ from neol.network.rules import WITHOUT_RULE
 from neol.spec.configuration import CONFIG, load_configuration
 from neol.spec.sources import Overlay
 from neol.spec.types import Model, Text
-from neol.study.campaign.grid import Block, blocks
+from neol.study.campaign.grid import RESULTS, Block, blocks
 
 CANDIDATES = CONFIG / "search" / "candidates.yaml"
 SCREENING, CONFIRMATION = "search", "confirmation"
@@ -73,7 +73,8 @@ def calls(budget: str, readings: Sequence[str]) -> list[str]:
     for reading in readings:
         for method in BASELINES:
             records = wanted.setdefault(source(reading, method), {})
-            records |= {str(each.record): None for each in baseline_blocks(reading, method, budget)}
+            asked = baseline_blocks(reading, method, budget)
+            records |= {str(RESULTS / each.record): None for each in asked}
     return [
         f"{' '.join(records)} --config budget={budget} reading={reading}"
         for reading, records in wanted.items()

@@ -116,5 +116,5 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
 
 
 def folder(configuration: Configuration, name: str) -> Path:
-    """Where a variant's records lie: results/first/smoke/sensitivity/beta-0.001."""
+    """A variant's place below the results folder: first/smoke/sensitivity/beta-0.001."""
     return home(configuration) / "sensitivity" / re.sub(r"[^\w.]+", "-", name)

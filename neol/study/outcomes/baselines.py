@@ -124,12 +124,12 @@ def _curves(
     spent: dict[str, float] = {}
     configuration = load_configuration(budget, reading=source(reading, method))
     for block in baseline_blocks(reading, method, budget):
-        below = block.record.relative_to(RESULTS)
-        if not (results / below).exists():
+        path = results / block.record
+        if not path.exists():
             continue
-        record, read = Source.read(results, below, run_specs(configuration, block)[0])
+        record, read = Source.read(results, block.record, run_specs(configuration, block)[0])
         if [info.seed for info in record.seeds] != list(block.seeds):
-            raise UserError(f"{results / below}: does not hold the seeds that its name says")
+            raise UserError(f"{path}: does not hold the seeds that its name says")
         best, seed = (column_values(record.table, name) for name in ("best_fitness", "seed"))
         curves += [best[seed == info.seed] for info in record.seeds]
         sources.append(read)

@@ -127,13 +127,12 @@ class Campaign:
         held_out: dict[int, float] = {}
         cpu_seconds: dict[int, float] = {}
         for block in self._blocks[cell]:
-            below = block.record.relative_to(RESULTS)
-            path = self._results / below
+            path = self._results / block.record
             if not path.exists():
                 missing += block.seeds
                 continue
             spec = run_specs(self.configuration, block)[0]
-            record, source = Source.read(self._results, below, spec)
+            record, source = Source.read(self._results, block.record, spec)
             missing += _missing(path, record, block)
             rows.append(record.frame())
             for info in record.seeds:

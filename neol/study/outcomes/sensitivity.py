@@ -57,11 +57,10 @@ def _read(
     trial: Trial, results: Path
 ) -> tuple["pd.Series[float]", dict[int, pd.DataFrame], list[Source]]:
     """By seed the held-out mean of a trial's champion, and its generations; and the record."""
-    below = trial.record.relative_to(RESULTS)
-    path = results / below
+    path = results / trial.record
     if not path.exists():
         return pd.Series(dtype=np.float64), {}, []
-    record, source = Source.read(results, below, trial.spec)
+    record, source = Source.read(results, trial.record, trial.spec)
     if [info.seed for info in record.seeds] != list(trial.seeds):
         raise UserError(
             f"{path}: does not hold seeds {trial.seeds[0]} to {trial.seeds[-1]}, those of the "

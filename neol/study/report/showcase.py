@@ -80,8 +80,8 @@ def show(campaign: Campaign, results: Path) -> Iterator[Shown]:
         if best is None:
             continue
         record = records[best]
-        player = load_champion(results / record.relative_to(RESULTS), best[1])
-        shown = _shown(player, best[0], record)
+        player = load_champion(results / record, best[1])
+        shown = _shown(player, best[0], RESULTS / record)
         try:
             filmed = film(player, _median_episode(player))
         except UserError as reason:

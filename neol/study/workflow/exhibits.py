@@ -141,7 +141,7 @@ def by_notebook(exhibits: Iterable[Exhibit]) -> dict[str, list[Exhibit]]:
 
 
 def records(configuration: Configuration, reads: str) -> list[Path]:
-    """The records that an exhibit of a budget reads."""
+    """The records that an exhibit of a budget reads, below the results folder."""
     if reads == STUDY:
         return [trial.record for name in variants() for trial in trials(configuration, name)]
     if reads == GRID:

@@ -37,9 +37,9 @@ def test_order_is_that_of_the_file(paper):
 def test_a_record_s_path_says_reading_budget_cell_and_seeds(paper):
     records = [block.record for block in blocks(paper)]
     assert len(set(records)) == len(records) == 224 * 6
-    hebb = "results/default/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
+    hebb = "default/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
     assert records[0] == Path(hebb)
-    neat = "results/default/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
+    neat = "default/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
     assert records[-1] == Path(neat)
 
 

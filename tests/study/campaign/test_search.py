@@ -7,6 +7,7 @@ import pytest
 from neol.spec.configuration import READINGS, ROOT, budgets, load_configuration
 from neol.spec.readings import FIRST_READING, readings
 from neol.study.campaign import search
+from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import jobs
 from neol.study.campaign.search import (
     CONFIRMATION,
@@ -73,7 +74,7 @@ def test_calls_make_each_record_once_under_its_own_reading() -> None:
         "reading=removal",
     ]
     (block, *_) = baseline_blocks("removal_rare_mutation", "neat_wo", CONFIRMATION)
-    assert str(block.record) in shared[1]
+    assert str(RESULTS / block.record) in shared[1]
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ from neol.base.errors import UserError
 from neol.run.record_file import write_record
 from neol.spec.configuration import budgets, load_configuration
 from neol.study.campaign import variants as study_of
-from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import jobs
 from neol.study.campaign.shown import select
 from neol.study.campaign.variants import BASELINE, STUDY, trials, variants
@@ -131,7 +130,7 @@ def test_no_file_is_parsed_twice(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_trial_of_other_seeds_is_refused(tmp_path: Path) -> None:
     write_trials(tmp_path, SMOKE, {BASELINE: 0.0})
     (trial, *_) = trials(SMOKE, BASELINE)
-    path = tmp_path / trial.record.relative_to(RESULTS)
+    path = tmp_path / trial.record
     write_record(path, run(trial.spec, SMOKE.budget.name, 0.0))
     with pytest.raises(UserError, match=f"{path.name}: does not hold seeds 1000000 to 1000002"):
         sensitivity(SMOKE, tmp_path)

@@ -30,7 +30,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     partial.mkdir()
     (partial / "seed_000000.parquet").touch()
     trial = trials(CONFIGURATION, "baseline")[0]
-    path = results / trial.record.relative_to(RESULTS)
+    path = results / trial.record
     path.parent.mkdir(parents=True)
     write_record(path, run(trial.spec, "smoke", 9.0))
     return results

@@ -13,7 +13,7 @@ from neol.run.provenance import Provenance
 from neol.run.record_file import read_record, write_record
 from neol.run.runner import run_block
 from neol.spec.configuration import load_configuration
-from neol.study.campaign.grid import blocks, home, run_specs
+from neol.study.campaign.grid import RESULTS, blocks, home, run_specs
 from neol.study.campaign.jobs import Job, jobs
 from neol.study.verification.manifest import NAME, ManifestEntry, write_manifest
 
@@ -67,7 +67,7 @@ def patch_budget(*more: str) -> Any:
 @cache
 def _few(budget: str, reading: str, more: tuple[str, ...]) -> list[Job]:
     configuration = load_configuration(budget, reading=reading)
-    names = [home(configuration) / name for name in (OJA, HEBB, NEAT, *TRIALS, *more)]
+    names = [RESULTS / home(configuration) / name for name in (OJA, HEBB, NEAT, *TRIALS, *more)]
     return [job for job in jobs(configuration) if job.record in names]
 
 

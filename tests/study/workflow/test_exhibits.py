@@ -6,7 +6,7 @@ from collections import Counter
 import pytest
 
 from neol.spec.configuration import ROOT, load_configuration
-from neol.study.campaign.grid import blocks
+from neol.study.campaign.grid import RESULTS, blocks
 from neol.study.campaign.jobs import jobs
 from neol.study.campaign.shown import select
 from neol.study.figures.paper_figures import HEATMAPS
@@ -55,7 +55,7 @@ def test_a_budget_has_the_heat_maps_of_its_tasks() -> None:
 
 def test_which_records_are_read() -> None:
     demo = load_configuration("demo")
-    every = {job.record for job in jobs(demo)}
+    every = {job.record.relative_to(RESULTS) for job in jobs(demo)}
     methods = {block.record: block.cell.method for block in blocks(demo)}
     read = {reads: set(records(demo, reads)) for reads in (GRID, STUDY, "table3", "table4")}
     assert read[GRID] == methods.keys()
