@@ -68,7 +68,7 @@ unmodified library's steps under the recorded actions (`b2World::Step`, for Bipe
 ten ray casts; four `mj_step`). *Our engine* and the *reference engine* play the episodes with
 network, plasticity and resets; Gymnasium's `env.step` is bare, without resets. MuJoCo's profile of
 itself, which our engine switches off in the whole process, is off for Gymnasium and the peer as
-well; its search for islands of constraints is off for our engine and the physics.
+well.
 
 {markdown(header, rows)}"""
 

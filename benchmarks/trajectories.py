@@ -26,7 +26,7 @@ from neol.rollout.episodes import Batch, Slots, play_batch
 from neol.rollout.fast import FastEngine
 from neol.rollout.reference import make_environment
 from neol.rollout.worlds.box2d import library as box2d
-from neol.rollout.worlds.hopper import FRAME_SKIP
+from neol.rollout.worlds.hopper.environment import FRAME_SKIP
 from neol.spec.constants import Plasticity, Task
 
 Array = npt.NDArray[np.float64]

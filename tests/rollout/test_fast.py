@@ -17,9 +17,9 @@ from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.episodes import Batch, Slots
 from neol.rollout.fast import FastEngine, fast_engine
 from neol.rollout.reference import ReferenceEngine, network_size
-from neol.rollout.worlds import hopper
 from neol.rollout.worlds.box2d import environment
 from neol.rollout.worlds.box2d import library as box2d
+from neol.rollout.worlds.hopper import environment as hopper
 from neol.run.evolution import Evolution
 from neol.spec.configuration import load_configuration
 from neol.spec.constants import Plasticity, Task

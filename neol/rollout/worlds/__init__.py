@@ -6,7 +6,7 @@ why nothing here does.
 
 WORLDS = {
     "CartPole-v1": "cartpole",
-    "Hopper-v4": "hopper",
+    "Hopper-v4": "hopper.environment",
     "LunarLander-v3": "box2d.environment",
     "BipedalWalker-v3": "box2d.environment",
     "BipedalWalkerHardcore-v3": "box2d.environment",

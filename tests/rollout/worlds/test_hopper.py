@@ -2,7 +2,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from neol.rollout.worlds import hopper
+from neol.rollout.worlds.hopper import environment as hopper
 from tests.helpers.stepwise import Array, Slot, compare_episode
 
 STANDING = np.array(  # found by a random search: a linear policy that stands for 1,000 steps

@@ -1,14 +1,14 @@
-"""Gymnasium's Hopper-v4 in compiled code, bit for bit, on the mujoco wheel's own library.
+"""Gymnasium's Hopper-v4 in compiled code, bit for bit.
 
-`HopperEnv` and `MujocoEnv` are the source of every line. Of what they call, only
-mj_rnePostConstraint is left out: it fills in forces that neither the observation, the reward
-nor the next step reads.
+`HopperEnv` and `MujocoEnv` are the source of every line. Of what they call, mj_forward after a
+reset and mj_rnePostConstraint after a step are left out: neither the observation, the reward nor
+the next step reads what they fill in. mj_step is our own where it gives the same bits, and else
+that of the library in the mujoco wheel.
 """
 
 import ctypes
 import math
 from collections.abc import Callable
-from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +20,9 @@ from neol.base.c_calls import address, call_void
 from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State, uniform
 from neol.rollout.episodes import Batch, Slots, play_batch
+from neol.rollout.worlds.hopper.check import own_step
+from neol.rollout.worlds.hopper.model import WORK, Record, hopper_of, load_model
+from neol.rollout.worlds.hopper.runge_kutta import step
 from neol.spec.constants import Task
 
 Array = npt.NDArray[np.float64]
@@ -42,7 +45,6 @@ class World(NamedTuple):
     """A hopper: C functions and structs by address, and views of the state within mjData."""
 
     mj_reset_data: int
-    mj_forward: int
     mj_step: int
     model: int
     data: int
@@ -54,6 +56,12 @@ class World(NamedTuple):
     """float64[6]."""
     control: Array
     """float64[3]: torques of thigh, leg and foot."""
+    warm_start: Array
+    """float64[6]: the acceleration that the next step's solver starts from."""
+    own_step: bool
+    """Whether our own step has MuJoCo's bits."""
+    hopper: Record
+    work: Record
 
     @loop_kernel
     def reset(self, slot: int, random: State, observation: Array) -> None:
@@ -63,7 +71,6 @@ class World(NamedTuple):
             self.position[i] = self.rest[i] + uniform(-RESET_NOISE, RESET_NOISE, random)
         for i in range(6):
             self.velocity[i] = uniform(-RESET_NOISE, RESET_NOISE, random)
-        call_void(self.mj_forward, self.model, self.data)
         observe(self, observation[slot])
 
     @loop_kernel
@@ -97,10 +104,19 @@ def turn(world: World, outputs: Array) -> float:
         squares += action * action
     before = world.position[0]
     for _ in range(FRAME_SKIP):
-        call_void(world.mj_step, world.model, world.data)
+        if not (world.own_step and advance(world)):
+            call_void(world.mj_step, world.model, world.data)
     speed = (world.position[0] - before) / SECONDS
     reward: float = speed + HEALTHY_REWARD - CONTROL_COST * squares
     return reward
+
+
+@loop_kernel
+def advance(world: World) -> bool:
+    """Take our own step, if it can be taken."""
+    return step(
+        world.hopper, world.work, world.position, world.velocity, world.control, world.warm_start
+    )
 
 
 @loop_kernel
@@ -129,13 +145,7 @@ class Simulation:
     slots = 1
 
     def __init__(self) -> None:
-        gymnasium = find_spec("gymnasium")
-        assert gymnasium is not None and gymnasium.origin is not None
-        path = Path(gymnasium.origin).parent / "envs" / "mujoco" / "assets" / "hopper.xml"
-        self._model = mujoco.MjModel.from_xml_path(str(path))
-        # A hopper is one kinematic tree, so the islands of its constraints are one at most: to look
-        # for them takes a tenth of a step's time and changes no bit of it.
-        self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
+        self._model = load_model()
         self._data = mujoco.MjData(self._model)
         assert self._model.opt.timestep * FRAME_SKIP == SECONDS
         library = ctypes.CDLL(str(next(Path(mujoco.__file__).parent.glob("libmujoco*"))))
@@ -144,7 +154,6 @@ class Simulation:
         ctypes.c_void_p.in_dll(library, "mjcb_time").value = None
         self.world = World(
             mj_reset_data=address(library.mj_resetData),
-            mj_forward=address(library.mj_forward),
             mj_step=address(library.mj_step),
             model=self._model._address,
             data=self._data._address,
@@ -152,6 +161,10 @@ class Simulation:
             position=self._data.qpos,
             velocity=self._data.qvel,
             control=self._data.ctrl,
+            warm_start=self._data.qacc_warmstart,
+            own_step=own_step(),
+            hopper=hopper_of(self._model),
+            work=np.zeros((), WORK)[()],
         )
 
 
