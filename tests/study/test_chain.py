@@ -9,7 +9,7 @@ import papermill
 import pytest
 
 from neol.spec.configuration import ROOT, Configuration
-from neol.study.campaign.grid import Cell, cells
+from neol.study.campaign.grid import RESULTS, Cell, cells
 from neol.study.campaign.shown import select
 from neol.study.claims.claims import decide, load_claims
 from neol.study.claims.ledger import write_ledger
@@ -79,7 +79,7 @@ def test_a_notebook_makes_its_files_and_each_is_traced(
     for each in NOTEBOOKS[notebook]:
         sidecar = json.loads((tmp_path / f"{each.name}.json").read_text())
         assert {record["path"] for record in sidecar["records"]} <= {
-            str(record) for record in records(select("smoke"), each.reads)
+            str(RESULTS / record) for record in records(select("smoke"), each.reads)
         }
         assert all((results.parent / record["path"]).exists() for record in sidecar["records"])
         assert sidecar["records"]
