@@ -17,7 +17,7 @@ from neol.study.campaign.shown import (
     SHOWN_READING,
     figures_folder,
     full_label,
-    label,
+    results_page,
     select,
 )
 from neol.study.workflow.exhibits import by_notebook, exhibits, records
@@ -46,14 +46,11 @@ try:
 except UserError as error:
     sys.exit(f"neol: {error}")
 READING = CONFIGURATION.reading
-LABEL, FIGURES = label(CONFIGURATION), str(figures_folder(CONFIGURATION))
+FIGURES, RESULTS_PAGE = (
+    str(where(CONFIGURATION)) for where in (figures_folder, results_page)
+)
 # Where executed notebooks and what the workflow says lie.
 PLACE = full_label(CONFIGURATION)
-RESULTS_PAGE = (
-    "docs/results.md"
-    if FIGURES == "figures"
-    else f"docs/results-{LABEL.replace('/', '-')}.md"
-)
 ALIVE = clear_stale_locks()
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
 GRID_RECORDS = [path for path, job in JOBS.items() if job.part != SENSITIVITY]

@@ -15,6 +15,7 @@ DEFAULT_BUDGET = "desk"
 SHOWN_READING = FIRST_READING
 """Where none is named: that of the records that the repository has."""
 FIGURES = Path("figures")
+DOCS = Path("docs")
 
 
 def select(
@@ -73,6 +74,12 @@ def figures_folder(configuration: Configuration) -> Path:
     """Where its tables and figures are: figures/, or figures/paper-cartpole."""
     name = label(configuration)
     return FIGURES if name == DEFAULT_BUDGET else FIGURES / name
+
+
+def results_page(configuration: Configuration) -> Path:
+    """Where its results are told: docs/results.md, or docs/results-paper-cartpole.md."""
+    name = label(configuration).replace("/", "-")
+    return DOCS / ("results.md" if name == DEFAULT_BUDGET else f"results-{name}.md")
 
 
 def snakemake_options(configuration: Configuration) -> str:

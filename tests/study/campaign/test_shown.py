@@ -15,6 +15,7 @@ from neol.study.campaign.shown import (
     folder,
     full_label,
     label,
+    results_page,
     select,
     snakemake_options,
 )
@@ -34,6 +35,7 @@ def test_tasks_come_once_and_in_the_order_of_the_budget() -> None:
     assert label(some) == "paper-cartpole,hopper"
     assert full_label(some) == f"{SHOWN_READING}/paper-cartpole,hopper"
     assert figures_folder(some) == Path("figures/paper-cartpole,hopper")
+    assert results_page(some) == Path("docs/results-paper-cartpole,hopper.md")
     assert snakemake_options(some) == "--config budget=paper tasks=cartpole,hopper"
 
 
@@ -42,6 +44,7 @@ def test_another_reading_has_folders_of_its_own() -> None:
     other = select("desk", "hopper,cartpole", reading)
     assert label(other) == full_label(other) == f"{reading}/desk-cartpole,hopper"
     assert figures_folder(other) == Path("figures", reading, "desk-cartpole,hopper")
+    assert results_page(other) == Path(f"docs/results-{reading}-desk-cartpole,hopper.md")
     options = snakemake_options(other)
     assert options == f"--config budget=desk reading={reading} tasks=cartpole,hopper"
 
@@ -67,6 +70,7 @@ def test_the_shown_budget_has_the_folder_itself() -> None:
     shown = select()
     assert (shown.budget.name, shown.reading) == (DEFAULT_BUDGET, SHOWN_READING)
     assert figures_folder(shown) == Path("figures")
+    assert results_page(shown) == Path("docs/results.md")
     some = select(tasks="cartpole")
     assert figures_folder(some) == Path(f"figures/{DEFAULT_BUDGET}-cartpole")
 
