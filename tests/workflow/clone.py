@@ -13,7 +13,7 @@ from numba.core.caching import _CacheLocator
 from neol.base.kernel import _cache_folder
 from neol.rollout.worlds.box2d.library import LIBRARY
 from neol.run.runner import run_block
-from neol.spec.configuration import ROOT, load_configuration
+from neol.spec.configuration import ROOT
 from neol.study.campaign.jobs import Job, jobs
 from neol.study.campaign.shown import figures_folder, select
 
@@ -63,8 +63,8 @@ def _share_kernels(clone: Path) -> None:
 
 def make_records(clone: Path, wanted: Callable[[Job], bool]) -> None:
     """Make some of the smallest budget's records here, which starts no process for each."""
-    for job in filter(wanted, jobs(load_configuration("smoke"))):
-        run_block(job.spec, job.seeds, clone / job.record, budget="smoke")
+    for job in filter(wanted, jobs(select("smoke"))):
+        run_block(job.spec, job.seeds, clone / job.record, budget="smoke", reading=job.reading)
 
 
 def snakemake(clone: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

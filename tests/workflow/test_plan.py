@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from neol.run.workspace import finished_path, partial_folder
-from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS, blocks, paper_cells
 from neol.study.campaign.jobs import jobs
 from neol.study.campaign.shown import DEFAULT_BUDGET, SHOWN_READING, select
@@ -38,14 +37,14 @@ def missing(clone: Path, records: Iterable[Path]) -> int:
 
 
 def test_everything_of_the_papers_budget(clone: Path) -> None:
-    records = [job.record for job in jobs(load_configuration("paper"))]
+    records = [job.record for job in jobs(select("paper"))]
     plan = planned(clone, "all", "--config", "budget=paper")
     assert plan["run"] == missing(clone, records)
     assert sum(rule.endswith("_notebook") for rule in plan) == 7
 
 
 def test_table_1_of_the_papers_budget_needs_only_the_papers_configurations(clone: Path) -> None:
-    paper = load_configuration("paper")
+    paper = select("paper")
     cells = paper_cells(paper, table=3).values()
     records = [RESULTS / block.record for block in blocks(paper) if block.cell in cells]
     runs = missing(clone, records)
@@ -101,13 +100,13 @@ def test_tables_of_some_tasks_say_so(clone: Path) -> None:
 
 
 def test_a_record_that_is_there_is_no_error_to_ask_for(clone: Path) -> None:
-    record = str(RESULTS / blocks(load_configuration("demo"))[0].record)
+    record = str(RESULTS / blocks(select("demo"))[0].record)
     assert planned(clone, record, "--config", "budget=demo") == {}
 
 
 def test_a_dry_run_changes_nothing(clone: Path) -> None:
     """Not even what a campaign still needs that is under way: the seeds of a complete record."""
-    record = clone / RESULTS / blocks(load_configuration("demo"))[0].record
+    record = clone / RESULTS / blocks(select("demo"))[0].record
     seed = finished_path(partial_folder(record), 0)
     seed.parent.mkdir()
     shutil.copy(record, seed)
@@ -125,7 +124,7 @@ def tree(folder: Path) -> list[tuple[Path, int]]:
 
 
 def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
-    block = random.Random(1).choice(blocks(load_configuration("demo")))
+    block = random.Random(1).choice(blocks(select("demo")))
     record = clone / RESULTS / block.record
     aside = record.rename(record.with_suffix(".aside"))
     try:
@@ -154,13 +153,28 @@ def test_a_deleted_record_is_the_only_run_planned(clone: Path) -> None:
 def test_a_changed_constant_plans_the_runs_that_it_affects_and_says_why(
     old: str, new: str, methods: set[str], reason: str, clone: Path
 ) -> None:
-    every = blocks(load_configuration("demo"))
+    every = blocks(select("demo"))
     affected = [RESULTS / block.record for block in every if block.cell.method in methods]
     with edited(clone / "config" / "base.yaml", old, new):
         said = snakemake(clone, *DEMO, "--dry-run").stdout
     assert set(re.findall(r"^Job \d+: (.*)$", said, re.MULTILINE)) == {
         f"{record} is of another specification: {reason}" for record in affected
     }
+
+
+def test_another_reading_shares_no_path_with_the_shown_one(clone: Path) -> None:
+    options = "--config", "budget=demo", "reading=default", "set=plasticity.reward_scale=0.1"
+    reading = "default+plasticity.reward_scale=0.1"
+    said = snakemake(clone, "tables", *options, "--dry-run").stdout
+    every = blocks(select("demo", reading=reading))
+    assert set(re.findall(r"^Job \d+: (\S+) is missing$", said, re.MULTILINE)) == {
+        str(RESULTS / block.record) for block in every
+    }
+    outputs = re.findall(r"^    output: (.*)$", said, re.MULTILINE)
+    files = [file for line in outputs for file in line.split(", ")]
+    assert all(f"/{reading}/demo/" in file for file in files)
+    logs = re.findall(r"^    log: (\S+)$", said, re.MULTILINE)
+    assert all(log.startswith(f"logs/{reading}/demo/") for log in logs)
 
 
 def test_every_table_and_figure_is_a_target(clone: Path) -> None:
@@ -177,6 +191,19 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
         (
             ["tables", "--config", "bugdet=desk"],
             "--config bugdet: unknown key (allowed: budget, reading, set, tasks)",
+        ),
+        (["tables", "--config", "reading=frist"], 'unknown reading "frist", did you mean "first"?'),
+        (
+            ["tables", "--config", "reading=first,default"],
+            'unknown reading "first,default"; give one reading',
+        ),
+        (
+            ["tables", "--config", "set=neat.elitsm=3"],
+            '--set: neat.elitsm: unknown key, did you mean "elitism"?',
+        ),
+        (
+            ["tables", "--config", "set=budget.seeds=3"],
+            '"budget.seeds=3": a reading sets no budget',
         ),
         (
             ["tables", "--config", "budget=demo", "tasks=cartpole,hopper"],

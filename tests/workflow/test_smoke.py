@@ -20,9 +20,10 @@ from pathlib import Path
 import pytest
 
 from neol.run.record_file import read_record, write_record
-from neol.spec.configuration import ROOT, load_configuration
+from neol.spec.configuration import ROOT
 from neol.spec.plain_yaml import parse_yaml
 from neol.study.campaign.grid import RESULTS, blocks
+from neol.study.campaign.shown import select
 from neol.study.outcomes.chosen_cells import candidates
 from neol.study.output.sidecar import trace
 from neol.study.workflow.exhibits import EXHIBITS
@@ -32,7 +33,7 @@ from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, make_records, plan
 pytestmark = pytest.mark.slow
 
 TARGET = str(FIGURES / "table1.tex")
-CONFIGURATION = load_configuration("smoke")
+CONFIGURATION = select("smoke")
 SHOWN = {cell for cells in candidates(CONFIGURATION).values() for cell in cells}
 RECORDS = {
     RESULTS / block.record: block.cell for block in blocks(CONFIGURATION) if block.cell in SHOWN
@@ -80,7 +81,7 @@ def test_table_1_is_traced_to_its_records(clone: Path) -> None:
 
 
 def test_the_executed_notebook_is_kept_and_its_source_untouched(clone: Path) -> None:
-    executed = json.loads((clone / "build/smoke/tables.ipynb").read_text())
+    executed = json.loads((clone / "build/first/smoke/tables.ipynb").read_text())
     assert any(cell.get("outputs") for cell in executed["cells"])
     source = json.loads((clone / "notebooks/tables.ipynb").read_text())
     assert not any(cell.get("outputs") for cell in source["cells"])
@@ -184,7 +185,7 @@ def test_snakemake_reports_with_captions(whole: Path) -> None:
 
 @NEEDS_LATEX
 def test_the_paper_is_about_eight_pages_and_refers_to_what_is_there(whole: Path) -> None:
-    log = (whole / "build/smoke/paper/reproduction.log").read_text(errors="replace")
+    log = (whole / "build/first/smoke/paper/reproduction.log").read_text(errors="replace")
     written = re.search(r"Output written on .*\((\d+)\s+pages", log.replace("\n", ""))
     assert written
     assert 7 <= int(written[1]) <= 10
@@ -194,7 +195,7 @@ def test_the_paper_is_about_eight_pages_and_refers_to_what_is_there(whole: Path)
 @NEEDS_LATEX
 def test_the_paper_comes_out_the_same_again(whole: Path) -> None:
     before = hashlib.sha256((whole / PAPER).read_bytes()).hexdigest()
-    shutil.rmtree(whole / "build/smoke/paper")
+    shutil.rmtree(whole / "build/first/smoke/paper")
     made = snakemake(whole, str(PAPER), *SMOKE)
     assert made.returncode == 0, made.stderr
     assert hashlib.sha256((whole / PAPER).read_bytes()).hexdigest() == before
