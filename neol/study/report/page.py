@@ -4,6 +4,7 @@ It needs no network: style and pictures are inside. `page.html.j2` is its text.
 """
 
 import base64
+import re
 from collections import Counter
 from collections.abc import Hashable
 from dataclasses import dataclass
@@ -126,8 +127,9 @@ def _pictures(shown: Shown) -> tuple[str, str | None]:
 
 
 def _markdown(path: Path) -> markupsafe.Markup:
-    """A document without its title, its headings two levels lower."""
+    """A document without its title and its links to other pages, its headings lower."""
     text = path.read_text(encoding="utf-8").split("\n", 1)[1].replace("\n## ", "\n### ")
+    text = re.sub(r"\[([^\]]*)\]\((?![#:]|https?:)[^)]*\)", r"\1", text)  # the page is one file
     return markupsafe.Markup(MarkdownIt("commonmark").enable("table").render(text))
 
 
