@@ -65,7 +65,7 @@ def play(task: Task, networks: Networks, environments: int, calls: int) -> Play:
     for _ in range(calls):
         chosen = player % networks.population
         sums = np.einsum("eoi,ei->eo", weight[chosen], observation) + bias[chosen]
-        actions.append(_actions(pool.action_space, np.tanh(sums)))
+        actions.append(_actions(pool.action_space, np.tanh(networks.activation_scale * sums)))
         observation, _, terminated, truncated, _ = pool.step(actions[-1])
         steps += int(np.count_nonzero(~ended))  # the call after an episode's end resets
         ended = terminated | truncated

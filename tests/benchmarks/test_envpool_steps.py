@@ -42,21 +42,8 @@ def test_networks_act_in_envpool_as_in_our_engine(networks: Networks) -> None:
     sums = np.einsum("eoi,ei->eo", weight, observation) + bias
     for p in range(networks.population):
         values = np.concatenate([observation[p], np.empty(2)])
-        first, last = networks.node_offset[p : p + 2]
-        forward(
-            first,
-            last,
-            networks.bias,
-            networks.edge_offset,
-            networks.source,
-            networks.weight,
-            networks.inputs,
-            networks.outputs,
-            networks.activation,
-            networks.sum_limit,
-            values,
-        )
-        assert np.tanh(sums[p]) == pytest.approx(values[4:])
+        forward(networks, p, values)
+        assert np.tanh(networks.activation_scale * sums[p]) == pytest.approx(values[4:])
 
 
 def test_actions_are_the_space_s_own() -> None:
