@@ -108,8 +108,8 @@ class NeatConstants(Model):
     crossover_enabled: Literal["random_parent", "stanley", "redraw_if_disabled"]
     """Whether a matching gene is enabled in the child.
 
-    random_parent: as in either parent, with equal chance (neat-python 0.92). stanley: as in the
-    parent that the weight comes from, but disabled with `disable_rate` where either parent's is.
+    random_parent: as in either parent, with equal chance (neat-python 0.92). stanley: the
+    same, and then disabled with `disable_rate` where either parent's is.
     redraw_if_disabled: disabled with `disable_rate` where either parent's is, otherwise enabled.
     """
     disable_rate: Probability
