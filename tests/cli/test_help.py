@@ -99,7 +99,8 @@ def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     write_campaign(tmp_path / "made_up", made_up, {})
     table1(Campaign(made_up, tmp_path / "made_up")).write(tmp_path / "figures")
     for budget in ("demo", "paper"):
-        shutil.copytree(ROOT / "results" / budget, tmp_path / "results" / budget)
+        folder = Path("results", "first", budget)
+        shutil.copytree(ROOT / folder, tmp_path / folder)
     monkeypatch.chdir(tmp_path)
     for command in NAMES:
         assert examples(command), command

@@ -25,7 +25,7 @@ CHANGES_CODE = {"change-selection.md", "add-a-table-or-figure.md", "add-a-claim.
 """Pages that tests/test_how_to.py follows, as their commands need the changes that they show."""
 PLANNED_ONLY = {
     # sets the environment up anew, tests itself, waits for a person, measures for ten minutes
-    r"\bmake (environment|check|test|docs|lab|bench|lock)\b": r"make --dry-run \1",
+    r"\bmake (environment|check|test|docs|lab|search|bench|lock)\b": r"make --dry-run \1",
     r"^snakemake (?=.*budget=(?:desk|paper))(?!.*--dry-run)": "snakemake --dry-run ",
     r"--profile profiles/slurm": "",
 }
