@@ -41,11 +41,12 @@ def test_after_the_measured_generations_episodes_are_as_long_as_in_the_last_of_t
 def test_what_was_never_measured_may_last_a_day() -> None:
     assert run_seconds(spec("gym:Acrobot-v1"), get) is None
     assert walltime_minutes(spec("gym:Acrobot-v1"), seeds=3) == 24 * 60
-    assert 15 < walltime_minutes(spec("hopper"), seeds=3) < 24 * 60
+    assert 15 <= walltime_minutes(spec("hopper"), seeds=3) < 24 * 60
 
 
-def test_the_demo_s_records_cost_about_as_much_as_predicted() -> None:
+def test_the_demo_s_records_cost_no_less_than_predicted() -> None:
+    """They were made before the engine became four to five times faster."""
     *_, whole = comparison(shipped, "demo").strip().splitlines()
     _, _, runs, _, _, ratio, _ = whole.split("|")
     assert int(runs) == 160
-    assert 0.5 < float(ratio) < 2
+    assert 0.5 < float(ratio) < 2 * 5
