@@ -41,7 +41,7 @@ def test_after_the_measured_generations_episodes_are_as_long_as_in_the_last_of_t
 def test_what_was_never_measured_may_last_a_day() -> None:
     assert run_seconds(spec("gym:Acrobot-v1"), get) is None
     assert walltime_minutes(spec("gym:Acrobot-v1"), seeds=3) == 24 * 60
-    assert 15 <= walltime_minutes(spec("hopper"), seeds=3) < 24 * 60
+    assert 15 < walltime_minutes(spec("hopper"), seeds=30) < 24 * 60
 
 
 def test_the_demo_s_records_cost_no_less_than_predicted() -> None:
