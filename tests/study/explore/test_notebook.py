@@ -36,6 +36,8 @@ assert stopped.picture.axes[2].get_ylabel() == "Return, plastic to step 10"
 task.value = "cartpole"
 curves.controls["column"].value = "species"
 assert curves.picture.axes[0].get_ylabel() == "Species"
+assert answer.picture.axes[0].get_title() == "CartPole, budget first/desk"
+answer.controls["budget"].value = "first/demo"
 assert answer.picture.axes[0].get_title() == "CartPole, budget first/demo"
 
 changed = {"task": "cartpole", "method": "bcm", "population": 10, "generations": 5}
