@@ -84,8 +84,8 @@ def _outlook(status: Status) -> str:
 
 
 def _name(spec: RunSpec, seed: int) -> str:
-    rate = spec.plasticity.learning_rate
-    eta = f" eta={rate:g}" if spec.plasticity.learns else ""
+    plasticity = spec.plasticity
+    eta = f" eta={plasticity.learning_rate:g}" if plasticity.learns else ""
     return f"{spec.task.name} {spec.method} P={spec.population}{eta} seed {seed}"
 
 

@@ -1,7 +1,8 @@
 """Online plasticity: how weights learn after every step of an episode (paper A.3, Algorithm 2).
 
-The reward opens a rule's gate: gate = eta * beta * r. The loop over a network's connections is
-compiled for each rule apart and called by its address, so kernels are the same for all rules.
+The reward opens a rule's gate: gate = gain * r with gain = eta * beta. The loop over a network's
+connections is compiled for each rule apart and called by its address, so kernels are the same for
+all rules.
 """
 
 import math
@@ -25,7 +26,7 @@ _FLOATS: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 _SIGNATURE = types.int32(
     *(types.int64, types.int64),  # first, last
     *(_INTEGERS, _INTEGERS, _FLOATS, _FLOATS),  # edge_offset, source, weight, threshold
-    *(types.int64, types.float64, types.float64, types.float64),  # inputs, gate, rate, limit
+    *(types.int64, types.float64, types.float64, types.float64),  # inputs, gate, alpha, limit
     _FLOATS,  # values
 )
 """Of a compiled loop: what `learn` passes on, piece by piece as C has it."""
@@ -36,8 +37,8 @@ class Learning(NamedTuple):
 
     rule: int
     """What `compiled` gives."""
-    rate: float
-    """eta * beta."""
+    gain: float
+    """eta * beta, the learning rate times the reward scale; times the reward it is the gate."""
     threshold_rate: float
     """alpha."""
     weight_limit: float
@@ -69,7 +70,7 @@ def learn(
         networks.weight,
         learning.threshold,
         networks.inputs,
-        learning.rate * reward,
+        learning.gain * reward,
         learning.threshold_rate,
         learning.weight_limit,
         values,

@@ -63,7 +63,7 @@ def learning_of(plasticity: Plasticity, threshold: npt.NDArray[np.float64]) -> L
     """How networks with these thresholds learn. Raises UserError for an unknown rule."""
     return Learning(
         rule=compiled(plasticity.rule),
-        rate=plasticity.learning_rate * plasticity.reward_scale,
+        gain=plasticity.learning_rate * plasticity.reward_scale,
         threshold_rate=plasticity.threshold_rate,
         weight_limit=plasticity.weight_limit,
         threshold=threshold,

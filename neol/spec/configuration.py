@@ -91,7 +91,7 @@ class Configuration(Model):
                 f"learning_rate = {learning_rate}: {method} does not learn online, leave it out"
             )
         if chosen.learns and learning_rate is None:
-            grid = ", ".join(f"{rate:g}" for rate in self.budget.learning_rates)
+            grid = ", ".join(f"{each:g}" for each in self.budget.learning_rates)
             raise UserError(
                 f"{method} needs a learning rate (budget {self.budget.name} has {grid})"
             )

@@ -26,8 +26,8 @@ class Cell:
     @property
     def folder(self) -> Path:
         """Where its records live below a budget's folder: cartpole/hebb/p050_lr0.00025."""
-        rate = "" if self.learning_rate is None else f"_lr{_plain(self.learning_rate)}"
-        return Path(self.task, self.method, f"p{self.population:03d}{rate}")
+        suffix = "" if self.learning_rate is None else f"_lr{_plain(self.learning_rate)}"
+        return Path(self.task, self.method, f"p{self.population:03d}{suffix}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +57,16 @@ def home(configuration: Configuration) -> Path:
 
 
 def cells(configuration: Configuration) -> list[Cell]:
-    """The budget's grid, in the order of its file: tasks, methods, populations, rates."""
+    """The budget's grid, in the order of its file: tasks, methods, populations, learning rates."""
     budget = configuration.budget
     return [
-        Cell(task, method, population, rate)
+        Cell(task, method, population, learning_rate)
         for task in budget.tasks
         for method in budget.methods
         for population in budget.populations
-        for rate in (budget.learning_rates if configuration.methods[method].learns else [None])
+        for learning_rate in (
+            budget.learning_rates if configuration.methods[method].learns else [None]
+        )
     ]
 
 

@@ -92,7 +92,7 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
         raise UserError(f"{VARIANTS.parent.name}/{VARIANTS.name}: {name}.set: {error}") from None
     if name != BASELINE and changed == plain:
         return []
-    rate = budget.learning_rates[len(budget.learning_rates) // 2]
+    learning_rate = budget.learning_rates[len(budget.learning_rates) // 2]
     seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seed_count, most.seeds))
     return [
         Trial(
@@ -103,7 +103,7 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
                 task=task,
                 method=method,
                 population=min(*budget.populations, most.population),
-                learning_rate=rate if changed.methods[method].learns else None,
+                learning_rate=learning_rate if changed.methods[method].learns else None,
                 generations=min(budget.generations_of(task), most.generations),
                 seed=seeds[0],
             ),

@@ -30,20 +30,20 @@ def specification(
     *,
     task: str,
     method: str,
-    eta: float,
-    beta: float,
+    learning_rate: float,
+    reward_scale: float,
     population: int,
     generations: int,
     seed: int,
 ) -> RunSpec:
-    """A run of the paper's constants but for these; eta is left aside for a method without a rule.
+    """A run of the paper's constants but for these; NEAT ignores the learning rate.
 
     Raises UserError for what no run can be.
     """
     configuration = load_configuration(
         "paper",
         [
-            f"plasticity.reward_scale={beta}",
+            f"plasticity.reward_scale={reward_scale}",
             f"evaluation.held_out_episodes={HELD_OUT_EPISODES}",
         ],
     )
@@ -52,7 +52,7 @@ def specification(
         task=task,
         method=method,
         population=population,
-        learning_rate=eta if method in learns else None,
+        learning_rate=learning_rate if method in learns else None,
         generations=generations,
         seed=seed,
     )

@@ -43,8 +43,8 @@ def settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
     columns = ["budget", "population", "learning_rate"]
     rows = runs[~runs["sensitivity"]].dropna(subset=columns)[columns].drop_duplicates()
     return {
-        f"{budget}: P = {population}, eta = {rate:g}": (budget, population, rate)
-        for budget, population, rate in rows.sort_values(columns).itertuples(index=False)
+        f"{budget}: P = {population}, eta = {learning_rate:g}": (budget, population, learning_rate)
+        for budget, population, learning_rate in rows.sort_values(columns).itertuples(index=False)
     }
 
 
@@ -62,12 +62,12 @@ def learning_curves(
     `setting` is a budget, a population and a learning rate, which NEAT has not.
     Raises UserError where there is no such run.
     """
-    budget, population, rate = setting
+    budget, population, learning_rate = setting
     chosen = runs[
         (runs["task"] == task)
         & (runs["budget"] == budget)
         & (runs["population"] == population)
-        & (runs["learning_rate"].isin([rate]) | runs["learning_rate"].isna())
+        & (runs["learning_rate"].isin([learning_rate]) | runs["learning_rate"].isna())
         & ~runs["sensitivity"]
     ]
     if chosen.empty:
@@ -83,7 +83,9 @@ def learning_curves(
             label = f"{method_label(str(method))}, {values.shape[1]} seeds"
             marked = (list(looks).index(str(method)) + 0.5) / len(looks)
             draw_curve(axis, label, looks[str(method)], values.set_axis(x), marked)
-        axis.set_title(f"{task_label(task)}, budget {budget}, P = {population}, η = {rate:g}")
+        axis.set_title(
+            f"{task_label(task)}, budget {budget}, P = {population}, η = {learning_rate:g}"
+        )
         axis.set_xlabel(axis_label(against))
         axis.set_ylabel(axis_label(column))
         figure.legend(loc="outside right upper")

@@ -13,7 +13,14 @@ from neol.study.explore import evolving
 from neol.study.explore.evolving import Evolutions
 from tests.helpers.runs import evolve
 
-SMALL = {"task": "cartpole", "population": 4, "generations": 3, "seed": 1, "eta": 0.25, "beta": 0.5}
+SMALL = {
+    "task": "cartpole",
+    "population": 4,
+    "generations": 3,
+    "seed": 1,
+    "learning_rate": 0.25,
+    "reward_scale": 0.5,
+}
 
 
 @pytest.fixture(autouse=True)
