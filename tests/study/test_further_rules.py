@@ -10,9 +10,9 @@ from neol.pictures.style import STYLES, save, styles
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import Cell
 from neol.study.campaign.methods import shown_methods
-from neol.study.figures import beyond_figures
+from neol.study.figures import effect_figures
 from neol.study.figures.paper_figures import figure2, figure3, heatmap
-from neol.study.outcomes import effects as beyond
+from neol.study.outcomes import effects
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS
 from neol.study.outcomes.outcomes import gather
@@ -61,14 +61,14 @@ def test_figures_draw_it(campaign: Campaign, tmp_path: Path) -> None:
     for drawing in (figure2(campaign), figure3(campaign)):
         (legend,) = drawing.figure.legends
         assert "leaky" in [text.get_text() for text in legend.texts]
-    effects = beyond.effects(outcomes, budget)
-    assert set(effects.loc[effects["method"] == "leaky", "a12"]) == {1.0}
+    sizes = effects.effect_sizes(outcomes, budget)
+    assert set(sizes.loc[sizes["method"] == "leaky", "a12"]) == {1.0}
     figures = [
-        beyond_figures.effects(effects, budget, "note"),
-        beyond_figures.aggregates(beyond.aggregates(outcomes, budget), budget, "note"),
-        beyond_figures.profiles(beyond.profiles(outcomes, budget), budget, "note"),
-        beyond_figures.efficiency(beyond.efficiency(outcomes), budget, "note"),
-        beyond_figures.selection(beyond.selection(outcomes), budget, "note"),
+        effect_figures.draw_effect_sizes(sizes, budget, "note"),
+        effect_figures.draw_aggregates(effects.aggregates(outcomes, budget), budget, "note"),
+        effect_figures.draw_profiles(effects.profiles(outcomes, budget), budget, "note"),
+        effect_figures.draw_efficiency(effects.efficiency(outcomes), budget, "note"),
+        effect_figures.draw_selection_bias(effects.selection_bias(outcomes), budget, "note"),
     ]
     for number, figure in enumerate(figures):
         save(figure, tmp_path / str(number))

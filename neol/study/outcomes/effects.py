@@ -1,6 +1,6 @@
 """What the paper does not show: effect sizes, aggregates, equal cost, selection bias.
 
-Each function makes a table from a budget's outcomes; `beyond_figures` draws it. Seeds are the
+Each function makes a table from a budget's outcomes; `effect_figures` draws it. Seeds are the
 units. Cells are taken as independent samples of them, which they are not wholly: a seed gives all
 methods the same episodes and, as far as their sizes agree, the same first population. As far as
 that makes their runs alike, the intervals of a difference are too wide rather than too narrow.
@@ -80,7 +80,7 @@ def thresholds() -> dict[str, float]:
     return {name: threshold for name, threshold in found.items() if threshold is not None}
 
 
-def effects(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
+def effect_sizes(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
     """Each of `COMPARISONS`: A12 with interval, p-values, Holm's over the family, seeds needed.
 
     A row with task "all" is the probability of improvement: A12 averaged over the tasks. The tests
@@ -182,7 +182,7 @@ def efficiency(outcomes: Outcomes) -> pd.DataFrame:
     return table.merge(ends, how="left")
 
 
-def selection(outcomes: Outcomes) -> pd.DataFrame:
+def selection_bias(outcomes: Outcomes) -> pd.DataFrame:
     """How far the training maximum flatters: final best minus the champion's held-out mean.
 
     By task, method and population: means over the learning rates, then over the seeds. Those of the

@@ -9,8 +9,8 @@ import pytest
 
 from neol.pictures.style import save
 from neol.study.campaign.grid import Cell, cells
-from neol.study.figures import beyond_figures
-from neol.study.outcomes import effects as beyond
+from neol.study.figures import effect_figures
+from neol.study.outcomes import effects
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import Outcomes, gather
 from neol.study.outcomes.statistics import mean_interval
@@ -41,7 +41,7 @@ def row(table: pd.DataFrame, **place: object) -> pd.Series:
 def test_effects_by_hand(tmp_path: Path) -> None:
     """BCM wins every pair on CartPole; on Hopper -1, 0, 1 wins 1 + 1/2 x 1 of 3 against 0, 0, 0."""
     values = {BCM["cartpole"]: [5.0, 6.0, 7.0], BCM["hopper"]: [-1.0, 0.0, 4.0]}
-    table = beyond.effects(collected(tmp_path, values), BUDGET)
+    table = effects.effect_sizes(collected(tmp_path, values), BUDGET)
     place = {"outcome": "final fitness", "against": "neat", "method": "bcm"}
     cartpole = row(table, **place, task="cartpole")
     assert (cartpole["a12"], cartpole["low"], cartpole["high"]) == (1, 1, 1)
@@ -58,7 +58,7 @@ def test_effects_by_hand(tmp_path: Path) -> None:
 def test_neat_without_mutation_is_compared_in_its_own_cell(tmp_path: Path) -> None:
     """It beats NEAT by every outcome, but its tests are of no family; with rules."""
     values = {Cell(task, "neat_wo", p, None): [9.0] * 3 for task in TASKS for p in (6, 12)}
-    table = beyond.effects(collected(tmp_path, values), BUDGET)
+    table = effects.effect_sizes(collected(tmp_path, values), BUDGET)
     for outcome in ("final fitness", "SCORE", "held-out return"):
         place = {"outcome": outcome, "task": "hopper"}
         ours = row(table, **place, against="neat", method="neat_wo")
@@ -71,14 +71,14 @@ def test_neat_without_mutation_is_compared_in_its_own_cell(tmp_path: Path) -> No
 def test_aggregates_by_hand(tmp_path: Path) -> None:
     """475 on CartPole and 3800 on Hopper are 1."""
     values = {BCM["cartpole"]: [475.0] * 3, BCM["hopper"]: [3800.0] * 3}
-    table = beyond.aggregates(collected(tmp_path, values), BUDGET)
+    table = effects.aggregates(collected(tmp_path, values), BUDGET)
     assert row(table, method="bcm", task="all")["iqm"] == 1
     assert row(table, method="neat", task="hopper")["iqm"] == 0
 
 
 def test_profiles_fall_from_one_to_nothing(tmp_path: Path) -> None:
     values = {BCM["cartpole"]: [475.0] * 3, BCM["hopper"]: [3800.0, 3800.0, 0.0]}
-    table = beyond.profiles(collected(tmp_path, values), BUDGET)
+    table = effects.profiles(collected(tmp_path, values), BUDGET)
     shares = table[table["method"] == "bcm"].set_index("threshold")["share"]
     assert shares.is_monotonic_decreasing
     assert shares.to_dict() == pytest.approx({-0.05: 1, 0: 5 / 6, 1: 0})
@@ -86,7 +86,7 @@ def test_profiles_fall_from_one_to_nothing(tmp_path: Path) -> None:
 
 def test_selection_is_what_the_training_maximum_flatters(tmp_path: Path) -> None:
     """The made-up champions come to 1 less in fresh episodes."""
-    table = beyond.selection(collected(tmp_path, {}))
+    table = effects.selection_bias(collected(tmp_path, {}))
     assert set(table["mean"]) == {1.0}
     assert set(table["seeds"]) == {3}
     assert set(table["without_value"]) == {0}
@@ -97,18 +97,18 @@ def test_a_seed_counts_once_however_many_learning_rates_it_has(tmp_path: Path) -
     values = {BCM["hopper"]: [0.0, 6.0, 12.0]}
     outcomes = collected(tmp_path, values)
     place = {"metric": "score", "task": "hopper", "method": "bcm", "population": 12}
-    table = beyond.efficiency(outcomes)
+    table = effects.efficiency(outcomes)
     low, high = mean_interval(np.array([0.0, 3.0, 6.0]))
     found = row(table, **place)
     assert found["seeds"] == 3
     assert found["high"] - found["low"] == pytest.approx(24 / 16_000 * float(high - low))
     outcomes.runs.loc[0, "held_out"] = math.nan
-    gaps = beyond.selection(outcomes)
+    gaps = effects.selection_bias(outcomes)
     assert (gaps["seeds"].tolist(), gaps["without_value"].sum()) == ([3] * len(gaps), 1)
 
 
 def test_score_grows_with_the_population_where_efficiency_does_not(tmp_path: Path) -> None:
-    table = beyond.efficiency(collected(tmp_path, {}))
+    table = effects.efficiency(collected(tmp_path, {}))
     score = table[(table["metric"] == "score") & (table["method"] == "neat")]
     by_population = score[score["task"] == "hopper"].set_index("population")["mean"]
     assert by_population[12] == pytest.approx(2 * by_population[6])
@@ -118,15 +118,15 @@ def test_score_grows_with_the_population_where_efficiency_does_not(tmp_path: Pat
 def test_degenerate_runs_can_be_drawn(runs: str, tmp_path: Path) -> None:
     seeds = {"none": [None] * 3, "one": [1.0, None, None], "all equal": [1.0] * 3}[runs]
     outcomes = collected(tmp_path, dict.fromkeys(cells(CONSTANTS), seeds))
-    effects = beyond.effects(outcomes, BUDGET)
+    sizes = effects.effect_sizes(outcomes, BUDGET)
     figures = [
-        beyond_figures.effects(effects, BUDGET, "note"),
-        beyond_figures.aggregates(beyond.aggregates(outcomes, BUDGET), BUDGET, "note"),
-        beyond_figures.profiles(beyond.profiles(outcomes, BUDGET), BUDGET, "note"),
-        beyond_figures.efficiency(beyond.efficiency(outcomes), BUDGET, "note"),
-        beyond_figures.selection(beyond.selection(outcomes), BUDGET, "note"),
+        effect_figures.draw_effect_sizes(sizes, BUDGET, "note"),
+        effect_figures.draw_aggregates(effects.aggregates(outcomes, BUDGET), BUDGET, "note"),
+        effect_figures.draw_profiles(effects.profiles(outcomes, BUDGET), BUDGET, "note"),
+        effect_figures.draw_efficiency(effects.efficiency(outcomes), BUDGET, "note"),
+        effect_figures.draw_selection_bias(effects.selection_bias(outcomes), BUDGET, "note"),
     ]
     for number, figure in enumerate(figures):
         save(figure, tmp_path / str(number))
     if runs == "none":
-        assert all(math.isnan(a12) for a12 in effects["a12"])
+        assert all(math.isnan(a12) for a12 in sizes["a12"])

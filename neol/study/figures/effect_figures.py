@@ -1,4 +1,4 @@
-"""Pictures of the tables in `beyond`."""
+"""Pictures of the tables of `effects` and `sensitivity`: what the paper does not show."""
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any
@@ -31,7 +31,7 @@ METRIC_LABELS = {
 }
 
 
-def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
+def draw_effect_sizes(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """A12 of each method with its interval; a cross is the paper's, from its p-value."""
     looks = styles(shown_methods(budget))
     places: dict[tuple[str, str, str], float] = {}
@@ -73,7 +73,7 @@ def effects(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     return figure
 
 
-def profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
+def draw_profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Performance profiles over all tasks."""
     looks = _looks(table, budget)
     with drawing():
@@ -103,7 +103,7 @@ def profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     return figure
 
 
-def aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
+def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Interquartile means of each task and of all."""
     looks, methods = _looks(table, budget), list(_looks(table, budget))
     tasks = list(dict.fromkeys(table["task"]))
@@ -126,7 +126,7 @@ def aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     return figure
 
 
-def efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
+def draw_efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """SCORE beside the best-so-far fitness at equal cost, over the population size."""
     looks = _looks(table, budget)
     with drawing():
@@ -147,7 +147,7 @@ def efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     return figure
 
 
-def selection(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
+def draw_selection_bias(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Final best fitness minus the champion's mean return in fresh episodes."""
     looks = _looks(table, budget)
     with drawing():
@@ -168,7 +168,7 @@ def selection(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     return figure
 
 
-def sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str) -> Figure:
+def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str) -> Figure:
     """How often a variant beats the baseline's run of a seed, with interval; a column for a task.
 
     A trial that lacks some of its `seeds`, or pairs with the baseline, says how many it has.
