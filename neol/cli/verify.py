@@ -1,4 +1,4 @@
-"""Whether records are what they say: their manifest, their verification, replays of their runs."""
+"""Whether records are what they say: digests, manifest, verification, replays of their runs."""
 
 import secrets
 from collections.abc import Iterable
@@ -12,6 +12,15 @@ from neol.cli.application import DISAGREES, app, examples
 if TYPE_CHECKING:
     from neol.study.verification.check import Problem
     from neol.study.verification.replays import Run
+
+
+@app.command(epilog=examples("neol digest a.parquet"))
+def digest(record: Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]) -> None:
+    """Print each seed of a record and the digest of its trajectory."""
+    from neol.run.record_file import read_record
+
+    for info in read_record(record).seeds:
+        print(info.seed, info.digest)
 
 
 @app.command(

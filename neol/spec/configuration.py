@@ -186,7 +186,7 @@ def _label(configuration: Configuration, reading: str, changes: Sequence[str]) -
     return make_label(reading, values)
 
 
-def schema() -> dict[str, Any]:
+def configuration_schema() -> dict[str, Any]:
     """JSON schema of a configuration file, which may hold any part of the whole."""
     whole = Configuration.model_json_schema()
     for part in (whole, *whole["$defs"].values()):
@@ -199,7 +199,7 @@ def schema() -> dict[str, Any]:
 
 def reading_schema() -> dict[str, Any]:
     """JSON schema of a reading's file."""
-    of_reading, constants = Reading.model_json_schema(), schema()
+    of_reading, constants = Reading.model_json_schema(), configuration_schema()
     sections = {name: part for name, part in constants["properties"].items() if name != "budget"}
     of_reading["properties"]["constants"] |= {
         "properties": sections,
@@ -256,5 +256,5 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    for folder, content in ((CONFIG, schema()), (READINGS, reading_schema())):
+    for folder, content in ((CONFIG, configuration_schema()), (READINGS, reading_schema())):
         write_atomically(folder / "schema.json", (json.dumps(content, indent=2) + "\n").encode())

@@ -11,7 +11,7 @@ import pytest
 from neol.base.errors import UserError
 from neol.network.plasticity import Learning, compiled, learn, learner
 from neol.network.rules import RULES, rule
-from neol.spec.configuration import Configuration, load_configuration, schema
+from neol.spec.configuration import Configuration, configuration_schema, load_configuration
 from tests.helpers.networks import one_node
 
 
@@ -57,7 +57,7 @@ def test_a_rule_is_known_everywhere_at_once() -> None:
     assert list(configuration.methods) == [*before.methods, "leaky"]
     assert configuration.budget.methods == ("leaky", "bcm")
     assert configuration.methods["leaky"].weight_mutation == "off"
-    definitions = schema()["$defs"]
+    definitions = configuration_schema()["$defs"]
     assert definitions["Method"]["properties"]["rule"]["enum"][-1] == "leaky"
     assert definitions["Budget"]["properties"]["methods"]["items"]["enum"][-1] == "leaky"
 

@@ -5,20 +5,20 @@ import json
 import jsonschema
 import pytest
 
-from neol.spec.configuration import CONFIG, budgets, schema
+from neol.spec.configuration import CONFIG, budgets, configuration_schema
 from neol.spec.plain_yaml import read_yaml
 
 
 def test_the_schema_is_that_of_the_types():
     written = json.loads((CONFIG / "schema.json").read_text())
-    assert written == schema(), "run `python -m neol.spec.configuration`"
+    assert written == configuration_schema(), "run `python -m neol.spec.configuration`"
 
 
 @pytest.mark.parametrize("name", ["base", *budgets()])
 def test_the_schema_accepts_the_files(name):
     path = CONFIG / f"{name}.yaml"
     assert path.read_text().startswith("# yaml-language-server: $schema=schema.json\n")
-    jsonschema.validate(read_yaml(path, name), schema())
+    jsonschema.validate(read_yaml(path, name), configuration_schema())
 
 
 @pytest.mark.parametrize(
@@ -37,4 +37,4 @@ def test_the_schema_accepts_the_files(name):
 )
 def test_the_schema_refuses_what_the_types_refuse(content):
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(content, schema())
+        jsonschema.validate(content, configuration_schema())

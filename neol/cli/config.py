@@ -1,6 +1,5 @@
-"""Look at a record's digests and at a budget's configuration."""
+"""The resolved configuration of a budget, or the schema of its files."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,15 +12,6 @@ from neol.cli.application import (
     examples,
     one_reading,
 )
-
-
-@app.command(epilog=examples("neol digest a.parquet"))
-def digest(record: Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]) -> None:
-    """Print each seed of a record and the digest of its trajectory."""
-    from neol.run.record_file import read_record
-
-    for info in read_record(record).seeds:
-        print(info.seed, info.digest)
 
 
 @app.command(
@@ -45,13 +35,13 @@ def config(
 
     from ruamel.yaml import YAML
 
-    from neol.spec import configuration as spec
+    from neol.spec.configuration import PAPER_BUDGET, configuration_schema, load_configuration
 
     if schema:
-        print(json.dumps(spec.schema(), indent=2))
+        print(json.dumps(configuration_schema(), indent=2))
         return
-    configuration = spec.load_configuration(
-        budget or spec.PAPER_BUDGET, overrides or [], reading=one_reading(reading)
+    configuration = load_configuration(
+        budget or PAPER_BUDGET, overrides or [], reading=one_reading(reading)
     )
     content = configuration.model_dump(
         mode="json",
