@@ -172,10 +172,10 @@ def _says_how_to_go_on(output: Path) -> Iterator[None]:
     except KeyboardInterrupt as stop:
         if output.exists():  # it was complete, only tidying up was cut short
             raise typer.Exit from None
-        partial = partial_folder(output)
+        kept = partial_folder(output)
         way_on = (
-            f"what is done is kept in {partial}, the same command with --resume goes on from there"
-            if partial.exists()
+            f"what is done is kept in {kept}, the same command with --resume goes on from there"
+            if kept.exists()
             else "no generation was done yet, so nothing is kept"
         )
         terminated = isinstance(stop, Terminated)

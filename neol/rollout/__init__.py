@@ -8,12 +8,12 @@ from neol.base.errors import NOTICE, UserError
 from neol.rollout.engine import Engine, Rollouts
 from neol.spec.constants import Task
 
-EngineChoice = Literal["auto", "fast", "reference"]
+EngineName = Literal["auto", "fast", "reference"]
 
-__all__ = ["Engine", "EngineChoice", "Rollouts", "describe", "make_engine"]
+__all__ = ["Engine", "EngineName", "Rollouts", "describe", "make_engine"]
 
 
-def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> Engine:
+def make_engine(task: Task, name: EngineName = "auto", workers: int = 1) -> Engine:
     """The engine that plays a task's episodes, spread over so many workers.
 
     `fast` is compiled and exists for the paper's tasks, `reference` runs any environment, `auto`
@@ -24,14 +24,14 @@ def make_engine(task: Task, choice: EngineChoice = "auto", workers: int = 1) -> 
     from neol.rollout.parallel import ProcessEngine
     from neol.rollout.reference import ReferenceEngine
 
-    if choice != "reference":
+    if name != "reference":
         from neol.rollout.fast import fast_engine
         from neol.rollout.worlds import WORLDS
 
         engine = fast_engine(task, workers)
         if isinstance(engine, Engine):
             return engine
-        if choice == "fast":
+        if name == "fast":
             raise UserError(f"no fast engine for {task.environment}: {engine}; use --engine auto")
         if task.environment in WORLDS:
             notice = f"{NOTICE}the reference engine plays {task.environment}: {engine}"

@@ -44,8 +44,8 @@ and connections are theirs, species how many of the members."""
 
 
 @dataclass(frozen=True, slots=True)
-class Cost:
-    """What a run has cost so far, over all its resumptions."""
+class TimeSpent:
+    """What a run has spent so far, over all its resumptions."""
 
     wall_seconds: float = 0.0
     cpu_seconds: float = 0.0
@@ -66,20 +66,20 @@ def snapshot(evolution: Evolution) -> Evolution:
     )
 
 
-def save(path: Path, evolution: Evolution, cost: Cost) -> None:
+def write_checkpoint(path: Path, evolution: Evolution, spent: TimeSpent) -> None:
     """Write a checkpoint of a run between two generations, atomically.
 
     Raises UserError where it cannot be written.
     """
-    arrays = _pack(evolution, cost)
+    arrays = _pack(evolution, spent)
     arrays["seal"] = _seal(arrays)
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # no array is called allow_pickle
     write_atomically(path, buffer.getvalue())
 
 
-def load(path: Path, spec: RunSpec) -> tuple[Evolution, Cost]:
-    """The run that a checkpoint holds, and what it had cost.
+def read_checkpoint(path: Path, spec: RunSpec) -> tuple[Evolution, TimeSpent]:
+    """The run that a checkpoint holds, and what it had spent.
 
     Raises UserError where the file is damaged, no checkpoint, or of another run.
     """
@@ -100,17 +100,17 @@ def load(path: Path, spec: RunSpec) -> tuple[Evolution, Cost]:
         raise _unusable(path, "a checkpoint of another run: other constants or another seed")
     try:
         evolution = _unpack(spec, meta, arrays)
-        cost = Cost(float(meta["wall_seconds"]), float(meta["cpu_seconds"]))
+        spent = TimeSpent(float(meta["wall_seconds"]), float(meta["cpu_seconds"]))
     except Exception as error:
         raise _unusable(path, f"damaged: {error}") from None
     if evolution.generation > spec.generations:
         raise _unusable(
             path, f"is at generation {evolution.generation}, {spec.generations} were asked for"
         )
-    return evolution, cost
+    return evolution, spent
 
 
-def generations(path: Path) -> int:
+def generations_done(path: Path) -> int:
     """How many generations a checkpoint holds, by its history alone, which is not verified.
 
     0 where there is none, or it cannot be read.
@@ -145,7 +145,7 @@ def _seal(arrays: Arrays) -> npt.NDArray[np.uint8]:
     return np.frombuffer(digest.digest(), dtype=np.uint8)
 
 
-def _pack(evolution: Evolution, cost: Cost) -> Arrays:
+def _pack(evolution: Evolution, spent: TimeSpent) -> Arrays:
     reproduction, species = evolution.reproduction, evolution.species_set.species
     meta = {
         "format": FORMAT,
@@ -157,8 +157,8 @@ def _pack(evolution: Evolution, cost: Cost) -> Arrays:
         "next_node": reproduction.innovations.next_node,
         "next_species": evolution.species_set.next_id,
         "digest": evolution.digest,
-        "wall_seconds": cost.wall_seconds,
-        "cpu_seconds": cost.cpu_seconds,
+        "wall_seconds": spent.wall_seconds,
+        "cpu_seconds": spent.cpu_seconds,
     }
     genomes = [*evolution.population, *(s.representative for s in species)]
     contents: dict[str, npt.ArrayLike] = {

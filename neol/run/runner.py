@@ -15,10 +15,9 @@ import numpy.typing as npt
 
 from neol.base.errors import UserError
 from neol.neat.genome import Genome
-from neol.rollout import Engine, EngineChoice, make_engine
+from neol.rollout import Engine, EngineName, make_engine
 from neol.rollout.reference import network_size
-from neol.run import checkpoint as checkpoints
-from neol.run.checkpoint import Cost
+from neol.run.checkpoint import TimeSpent, read_checkpoint, snapshot, write_checkpoint
 from neol.run.evolution import Evolution, Generation
 from neol.run.provenance import checkout, provenance
 from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, join
@@ -45,7 +44,7 @@ class SeedResult:
     inputs: int
     outputs: int
     engine: str
-    cost: Cost
+    time_spent: TimeSpent
 
 
 def run_seed(
@@ -62,29 +61,29 @@ def run_seed(
     early, for the last generation that was completed.
     """
     if checkpoint is not None and checkpoint.exists():
-        evolution, spent = checkpoints.load(checkpoint, spec)
+        evolution, spent = read_checkpoint(checkpoint, spec)
     else:
-        evolution, spent = Evolution.begin(spec, *network_size(spec.task)), Cost()
+        evolution, spent = Evolution.begin(spec, *network_size(spec.task)), TimeSpent()
     wall, cpu = time.perf_counter(), time.process_time()
 
-    def cost() -> Cost:
-        return Cost(
+    def time_spent() -> TimeSpent:
+        return TimeSpent(
             spent.wall_seconds + time.perf_counter() - wall,
             spent.cpu_seconds + time.process_time() - cpu,
         )
 
-    done = checkpoints.snapshot(evolution)
+    done = snapshot(evolution)
     saved = done.generation
 
     def save() -> None:
         nonlocal saved
         if checkpoint is not None and done.generation > saved:
-            checkpoints.save(checkpoint, done, cost())
+            write_checkpoint(checkpoint, done, time_spent())
             saved = done.generation
 
     try:
         for generation in evolution.run(engine):
-            done = checkpoints.snapshot(evolution)
+            done = snapshot(evolution)
             if done.generation % checkpoint_every == 0:
                 save()
             if on_generation is not None:
@@ -105,7 +104,7 @@ def run_seed(
         inputs=evolution.reproduction.inputs,
         outputs=evolution.reproduction.outputs,
         engine=engine.name,
-        cost=cost(),
+        time_spent=time_spent(),
     )
 
 
@@ -114,7 +113,7 @@ def run_block(
     seeds: Sequence[int],
     output: Path,
     *,
-    engine: EngineChoice = "auto",
+    engine: EngineName = "auto",
     workers: int = 1,
     checkpoint_every: int = 10,
     resume: bool = False,
@@ -137,20 +136,20 @@ def run_block(
     record = _complete(output, spec, seeds, resume)
     if record is not None and not partial_folder(output).exists():
         return record
-    with claim(output, wait=resume, keep=keep_partial) as partial:
+    with claim(output, wait=resume, keep=keep_partial) as workspace:
         record = _complete(output, spec, seeds, resume)  # another process may have finished it
         if record is None:
-            if any(partial.glob("seed_*")) and not resume:
+            if any(workspace.glob("seed_*")) and not resume:
                 raise UserError(
-                    f"{partial}: holds an interrupted run; go on with --resume, or remove it"
+                    f"{workspace}: holds an interrupted run; go on with --resume, or remove it"
                 )
-            _refuse_other_work(partial, spec, seeds)
+            _refuse_other_work(workspace, spec, seeds)
             with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
                 records = [
                     _seed_record(
                         spec.model_copy(update={"seed": seed}),
                         player,
-                        partial,
+                        workspace,
                         checkpoint_every,
                         budget,
                         reading,
@@ -159,7 +158,7 @@ def run_block(
                     for seed in seeds
                 ]
             record = join(records)
-            write_record(output, record, scratch=partial)
+            write_record(output, record, scratch=workspace)
     return record
 
 
@@ -167,7 +166,7 @@ def evolve(
     spec: RunSpec,
     seeds: Sequence[int] | None = None,
     *,
-    engine: EngineChoice = "auto",
+    engine: EngineName = "auto",
     workers: int = 1,
     on_generation: OnGeneration | None = None,
 ) -> Record:
@@ -196,15 +195,15 @@ def _complete(output: Path, spec: RunSpec, seeds: Sequence[int], resume: bool) -
 def _seed_record(
     spec: RunSpec,
     engine: Engine,
-    partial: Path,
+    workspace: Path,
     checkpoint_every: int,
     budget: str | None,
     reading: str | None,
     on_generation: OnGeneration | None,
 ) -> Record:
     """The record of one seed: the finished one that is there, or a new one."""
-    finished = finished_path(partial, spec.seed)
-    checkpoint = checkpoint_path(partial, spec.seed)
+    finished = finished_path(workspace, spec.seed)
+    checkpoint = checkpoint_path(workspace, spec.seed)
     if finished.exists():
         record = _same_seeds(read_record(finished, spec), [spec.seed], finished)
     else:
@@ -230,8 +229,8 @@ def _record_of(result: SeedResult, budget: str | None, reading: str | None) -> R
         champion=Champion.of(result.champion),
         held_out=HeldOut.of(result.held_out_returns),
         engine=result.engine,
-        wall_seconds=result.cost.wall_seconds,
-        cpu_seconds=result.cost.cpu_seconds,
+        wall_seconds=result.time_spent.wall_seconds,
+        cpu_seconds=result.time_spent.cpu_seconds,
         provenance=provenance(),
     )
     table = history_table(info.seed, result.history)
@@ -248,19 +247,19 @@ def _distinct(seeds: Sequence[int]) -> list[int]:
     return ordered
 
 
-def _refuse_other_work(partial: Path, spec: RunSpec, seeds: Sequence[int]) -> None:
-    ours = {finished_path(partial, seed).stem for seed in seeds}
-    others = sorted({path.stem for path in partial.glob("seed_*")} - ours)
+def _refuse_other_work(workspace: Path, spec: RunSpec, seeds: Sequence[int]) -> None:
+    ours = {finished_path(workspace, seed).stem for seed in seeds}
+    others = sorted({path.stem for path in workspace.glob("seed_*")} - ours)
     if others:
         raise UserError(
-            f"{partial}: holds work of {others[0]}, which is not among the seeds asked for; "
+            f"{workspace}: holds work of {others[0]}, which is not among the seeds asked for; "
             "resume with all its seeds, or remove it"
         )
-    for path in sorted(partial.glob("seed_*.parquet")):
+    for path in sorted(workspace.glob("seed_*.parquet")):
         if difference := first_difference(read_spec(path), spec):
             raise UserError(
                 f"{path}: of another specification: {difference}; "
-                f"set that back, or remove {partial}"
+                f"set that back, or remove {workspace}"
             )
 
 

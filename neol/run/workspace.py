@@ -23,14 +23,14 @@ def partial_folder(output: Path) -> Path:
     return output.with_name(f"{output.name}.partial")
 
 
-def finished_path(partial: Path, seed: int) -> Path:
+def finished_path(workspace: Path, seed: int) -> Path:
     """Where the record of a finished seed lies."""
-    return partial / f"seed_{seed:06}.parquet"
+    return workspace / f"seed_{seed:06}.parquet"
 
 
-def checkpoint_path(partial: Path, seed: int) -> Path:
+def checkpoint_path(workspace: Path, seed: int) -> Path:
     """Where the checkpoint of a seed that is under way lies."""
-    return finished_path(partial, seed).with_suffix(".npz")
+    return finished_path(workspace, seed).with_suffix(".npz")
 
 
 def remove_if_complete(output: Path) -> None:
@@ -45,31 +45,31 @@ def claim(output: Path, *, wait: bool, keep: bool = False) -> Iterator[Path]:
 
     It goes with the claim where it holds no work, or the output is complete and it need not `keep`.
     """
-    partial = partial_folder(output)
-    lock = partial / "lock"
+    workspace = partial_folder(output)
+    lock = workspace / "lock"
     while True:
         try:
-            partial.mkdir(parents=True, exist_ok=True)
+            workspace.mkdir(parents=True, exist_ok=True)
             file = lock.open("w")
         except OSError as error:
             raise UserError(
-                f"{partial}: cannot be made ({error.strerror}); choose another output"
+                f"{workspace}: cannot be made ({error.strerror}); choose another output"
             ) from None
         with file:
-            _lock(file, partial, wait)
+            _lock(file, workspace, wait)
             if not _is(file, lock):
                 continue  # the process that held it has removed it
             try:
-                yield partial
+                yield workspace
             finally:
-                if not any(partial.glob("seed_*")):
-                    shutil.rmtree(partial, ignore_errors=True)
+                if not any(workspace.glob("seed_*")):
+                    shutil.rmtree(workspace, ignore_errors=True)
                 elif not keep:
                     remove_if_complete(output)
             return
 
 
-def _lock(file: IO[str], partial: Path, wait: bool) -> None:
+def _lock(file: IO[str], workspace: Path, wait: bool) -> None:
     """Lock a file. The lock is the kernel's: it ends with the process, whatever ends that."""
     for attempt in itertools.count(1):
         stop_if_asked()
@@ -77,7 +77,7 @@ def _lock(file: IO[str], partial: Path, wait: bool) -> None:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             if attempt == 4:  # before that it may be `is_running`, which holds it for an instant
-                line = f"{partial}: another process is running this"
+                line = f"{workspace}: another process is running this"
                 if not wait:
                     raise UserError(f"{line}; wait for it or choose another output") from None
                 print(f"{NOTICE}{line}; waiting for it", file=sys.stderr, flush=True)
@@ -96,10 +96,10 @@ def _is(file: IO[str], path: Path) -> bool:
         return False
 
 
-def is_running(partial: Path) -> bool:
+def is_running(workspace: Path) -> bool:
     """Whether a process holds a block's folder; one that works where locks are missing does not."""
     try:
-        with (partial / "lock").open() as file:
+        with (workspace / "lock").open() as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True

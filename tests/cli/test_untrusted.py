@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from neol.base.errors import UserError
 from neol.run import checkpoint
-from neol.run.checkpoint import Arrays, Cost
+from neol.run.checkpoint import Arrays, TimeSpent
 from neol.run.record import SCHEMA
 from neol.run.record_file import read_record, read_spec
 from neol.spec import configuration as spec
@@ -70,7 +70,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("whole")
     make_campaign(folder / "smoke")
     (folder / "a.parquet").write_bytes((folder / "smoke" / OJA).read_bytes())
-    checkpoint.save(folder / "a.npz", started(run_spec(), 2), Cost())
+    checkpoint.write_checkpoint(folder / "a.npz", started(run_spec(), 2), TimeSpent())
     (folder / "a.json").write_text(json.dumps(SIDECAR))
     (folder / "manifest.json").write_bytes((folder / "smoke" / "manifest.json").read_bytes())
     (folder / "a.yaml").write_bytes((CONFIG / "smoke.yaml").read_bytes())
@@ -112,7 +112,7 @@ def read_configuration(path: Path) -> object:
 KINDS: dict[str, tuple[str, str, Read]] = {
     "record": ("a.parquet", "x.parquet", read_record),
     "record's footer": ("a.parquet", "x.parquet", read_spec),
-    "checkpoint": ("a.npz", "x.npz", lambda path: checkpoint.load(path, run_spec())),
+    "checkpoint": ("a.npz", "x.npz", lambda path: checkpoint.read_checkpoint(path, run_spec())),
     "manifest": (
         "manifest.json",
         "manifest.json",
@@ -200,7 +200,7 @@ def test_sealed_checkpoints_load_or_give_one_clear_error(
         arrays[name] = new
 
     forge_checkpoint(path, change)
-    survive(lambda: checkpoint.load(path, run_spec()))
+    survive(lambda: checkpoint.read_checkpoint(path, run_spec()))
 
 
 KEYS = st.lists(

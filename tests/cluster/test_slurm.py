@@ -20,7 +20,7 @@ import pytest
 
 from neol.base.errors import UserError
 from neol.rollout import make_engine
-from neol.run.checkpoint import load
+from neol.run.checkpoint import read_checkpoint
 from neol.run.record_file import read_record
 from neol.run.runner import run_seed
 from neol.run.workspace import partial_folder
@@ -147,7 +147,7 @@ class Watch:
             for spec in run_specs(self.configuration, block):
                 path = folder / f"seed_{spec.seed:06}.npz"
                 with suppress(UserError):  # not there, or no longer
-                    evolution, _ = load(path, spec)
+                    evolution, _ = read_checkpoint(path, spec)
                     self.seen.setdefault((block.record, spec.seed), []).append(evolution.generation)
 
     def until(self, workflow: subprocess.Popen[bytes], true: Callable[[], bool]) -> None:

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neol.base.interruption import Terminated, interruptible
-from neol.rollout import EngineChoice, make_engine
+from neol.rollout import EngineName, make_engine
 from neol.rollout.parallel import ProcessEngine, portions
 from tests.helpers.networks import random_networks
 from tests.helpers.runs import SPEC
@@ -35,11 +35,11 @@ def test_portions_shrink_towards_the_end() -> None:
     assert sizes == [12, 9, 7, 5, 4, 3, 2, 2, 1, 1, 1, 1, 1, 1]
 
 
-@pytest.mark.parametrize("choice", ["reference", "fast"])
+@pytest.mark.parametrize("engine_name", ["reference", "fast"])
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_every_engine_stops_when_it_is_asked(choice: EngineChoice, workers: int) -> None:
+def test_every_engine_stops_when_it_is_asked(engine_name: EngineName, workers: int) -> None:
     networks = random_networks(np.random.default_rng(0), 1, 4, 2)
-    with closing(make_engine(SPEC.task, choice, workers)) as engine, interruptible():
+    with closing(make_engine(SPEC.task, engine_name, workers)) as engine, interruptible():
         signal.raise_signal(signal.SIGTERM)
         with pytest.raises(Terminated):
             engine.evaluate(networks, np.zeros((1, 1), dtype=np.uint64), SPEC.plasticity)

@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from neol.base.errors import UserError
 from neol.rollout.reference import ReferenceEngine
 from neol.run import checkpoint
-from neol.run.checkpoint import Arrays, Cost
+from neol.run.checkpoint import Arrays, TimeSpent
 from neol.run.evolution import Evolution
 from neol.spec.run_spec import RunSpec
 from tests.helpers.damage import flipped, forge_checkpoint
 from tests.helpers.refusal import survive
 from tests.helpers.runs import evolve, run_spec, started
 
-COST = Cost(1.5, 0.75)
+SPENT = TimeSpent(1.5, 0.75)
 
 
 def finish(evolution: Evolution) -> Evolution:
@@ -67,21 +67,21 @@ def test_resumed_after_any_generation_equals_uninterrupted(method: str, tmp_path
     path = tmp_path / "run.npz"
     for generation in range(1, spec.generations + 1):
         before = started(spec, generation)
-        checkpoint.save(path, before, COST)
-        after, cost = checkpoint.load(path, spec)
+        checkpoint.write_checkpoint(path, before, SPENT)
+        after, spent = checkpoint.read_checkpoint(path, spec)
         assert state(after) == state(before)
         assert after.population[0].connections.dtype == before.population[0].connections.dtype
-        assert cost == COST
+        assert spent == SPENT
         assert state(finish(after)) == state(whole)
 
 
 def test_a_checkpoint_says_how_far_its_run_is(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
-    assert checkpoint.generations(path) == 0
-    checkpoint.save(path, started(run_spec(), 2), COST)
-    assert checkpoint.generations(path) == 2
+    assert checkpoint.generations_done(path) == 0
+    checkpoint.write_checkpoint(path, started(run_spec(), 2), SPENT)
+    assert checkpoint.generations_done(path) == 2
     path.write_bytes(path.read_bytes()[:-9])
-    assert checkpoint.generations(path) == 0
+    assert checkpoint.generations_done(path) == 0
 
 
 def test_snapshot_stays_while_the_run_goes_on() -> None:
@@ -94,39 +94,39 @@ def test_snapshot_stays_while_the_run_goes_on() -> None:
 
 def test_a_longer_run_goes_on_from_a_shorter_ones_checkpoint(tmp_path: Path) -> None:
     path, long = tmp_path / "run.npz", run_spec(generations=6)
-    checkpoint.save(path, evolve(run_spec(generations=3)), COST)
-    assert state(finish(checkpoint.load(path, long)[0])) == state(evolve(long))
+    checkpoint.write_checkpoint(path, evolve(run_spec(generations=3)), SPENT)
+    assert state(finish(checkpoint.read_checkpoint(path, long)[0])) == state(evolve(long))
     with pytest.raises(UserError, match=r"run\.npz: is at generation 3, 2 were asked for; remove"):
-        checkpoint.load(path, run_spec(generations=2))
+        checkpoint.read_checkpoint(path, run_spec(generations=2))
 
 
 @pytest.mark.parametrize("other", [run_spec(seed=1), run_spec("hebb"), run_spec(population=9)])
 def test_another_runs_checkpoint_is_refused(other: RunSpec, tmp_path: Path) -> None:
-    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
     with pytest.raises(UserError, match=r"run\.npz: a checkpoint of another run.*remove it"):
-        checkpoint.load(tmp_path / "run.npz", other)
+        checkpoint.read_checkpoint(tmp_path / "run.npz", other)
 
 
 def test_what_is_no_checkpoint_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
     with pytest.raises(UserError, match=r"run\.npz: cannot be read \(No such file"):
-        checkpoint.load(path, run_spec())
+        checkpoint.read_checkpoint(path, run_spec())
     for content in (b"", b"hello", b"PK\x03\x04" + b"x" * 100):
         path.write_bytes(content)
         with pytest.raises(UserError, match="damaged or no checkpoint"):
-            checkpoint.load(path, run_spec())
+            checkpoint.read_checkpoint(path, run_spec())
     np.savez(path, weights=np.zeros(3))
     with pytest.raises(UserError, match="damaged or no checkpoint"):
-        checkpoint.load(path, run_spec())
+        checkpoint.read_checkpoint(path, run_spec())
     np.savez(path, seal=np.array([{"a": 1}], dtype=object))
     with pytest.raises(UserError, match="damaged or no checkpoint"):
-        checkpoint.load(path, run_spec())
+        checkpoint.read_checkpoint(path, run_spec())
 
 
 @pytest.fixture(scope="module")
 def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("checkpoint") / "run.npz"
-    checkpoint.save(path, started(run_spec(), 2), COST)
+    checkpoint.write_checkpoint(path, started(run_spec(), 2), SPENT)
     return path.read_bytes()
 
 
@@ -135,7 +135,7 @@ def test_truncated_anywhere_is_refused(content: bytes, tmp_path: Path) -> None:
     for length in [*range(0, len(content), 397), len(content) - 1]:
         path.write_bytes(content[:length])
         with pytest.raises(UserError, match=r"run\.npz"):
-            checkpoint.load(path, run_spec())
+            checkpoint.read_checkpoint(path, run_spec())
 
 
 @pytest.mark.slow
@@ -146,10 +146,10 @@ def test_damaged_anywhere_is_refused_or_the_same(
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "damaged.npz"
     path.write_bytes(data.draw(flipped(content)))
-    loaded = survive(lambda: checkpoint.load(path, run_spec()), says="damaged.npz")
+    loaded = survive(lambda: checkpoint.read_checkpoint(path, run_spec()), says="damaged.npz")
     if loaded is not None:  # a byte may mean nothing, such as one of a time in the zip's headers
         assert state(loaded[0]) == state(started(run_spec(), 2))
-        assert loaded[1] == COST
+        assert loaded[1] == SPENT
 
 
 @pytest.mark.parametrize(
@@ -161,32 +161,32 @@ def test_an_impossible_state_is_refused_though_sealed(
 ) -> None:
     pack = checkpoint._pack
 
-    def planted(evolution: Evolution, cost: Cost) -> checkpoint.Arrays:
-        arrays = pack(evolution, cost)
+    def planted(evolution: Evolution, spent: TimeSpent) -> checkpoint.Arrays:
+        arrays = pack(evolution, spent)
         arrays[name][field][-1] = value
         return arrays
 
     monkeypatch.setattr(checkpoint, "_pack", planted)
-    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
     with pytest.raises(UserError, match=r"run\.npz: damaged: .*; remove it"):
-        checkpoint.load(tmp_path / "run.npz", run_spec())
+        checkpoint.read_checkpoint(tmp_path / "run.npz", run_spec())
 
 
 @pytest.mark.parametrize("name", checkpoint.LAYOUT)
 @pytest.mark.parametrize("kind", [np.float32, [("id", np.float64)]])
 def test_other_types_are_refused_though_sealed(name: str, kind: Any, tmp_path: Path) -> None:
-    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
     forge_checkpoint(
         tmp_path / "run.npz",
         lambda arrays: arrays.update({name: np.zeros(len(arrays[name]), kind)}),
     )
     with pytest.raises(UserError, match=rf"run\.npz: damaged: its {name} are of another type"):
-        checkpoint.load(tmp_path / "run.npz", run_spec())
+        checkpoint.read_checkpoint(tmp_path / "run.npz", run_spec())
 
 
 @pytest.mark.parametrize("value", ["8", 8.0, -1, 2**63, None])
 def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: Path) -> None:
-    checkpoint.save(tmp_path / "run.npz", started(run_spec(), 1), COST)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
 
     def change(arrays: Arrays) -> None:
         meta = json.loads(arrays["meta"].tobytes()) | {"next_genome": value}
@@ -194,7 +194,7 @@ def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: 
 
     forge_checkpoint(tmp_path / "run.npz", change)
     with pytest.raises(UserError, match=r"run\.npz: damaged: its next_genome is"):
-        checkpoint.load(tmp_path / "run.npz", run_spec())
+        checkpoint.read_checkpoint(tmp_path / "run.npz", run_spec())
 
 
 def test_all_of_an_evolution_is_saved() -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from neol.base.errors import UserError
-from neol.rollout import EngineChoice, make_engine
+from neol.rollout import EngineName, make_engine
 from neol.rollout.reference import network_size
 from neol.rollout.worlds.box2d import library as box2d
 from neol.run.evolution import Evolution
@@ -45,7 +45,7 @@ BUSY = ["neat.add_node_rate=0.5", "neat.compatibility_threshold=1.0"]
 
 @cache
 def digest_of(
-    task: str, method: str, choice: EngineChoice, reading: str = DEFAULT_READING
+    task: str, method: str, engine_name: EngineName, reading: str = DEFAULT_READING
 ) -> tuple[str, str]:
     """A trajectory's digest, and which engine played: ten genomes over ten generations."""
     overrides = [f"tasks.{task}.max_steps=100", *BUSY]
@@ -58,7 +58,7 @@ def digest_of(
         generations=10,
         seed=7,
     )
-    engine = make_engine(spec.task, choice)
+    engine = make_engine(spec.task, engine_name)
     evolution = Evolution.begin(spec, *network_size(spec.task))
     list(evolution.run(engine))
     engine.close()

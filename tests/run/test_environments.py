@@ -62,7 +62,7 @@ def test_what_happens_in_an_environment_is_said_and_costs_no_generation(
     output = tmp_path / "run.parquet"
     said = refusal(block, output, spec, workers=workers)
     (kept,) = (tmp_path / "run.parquet.partial").glob("seed_*.npz")
-    seed, generation = int(kept.stem[-6:]), checkpoint.generations(kept)
+    seed, generation = int(kept.stem[-6:]), checkpoint.generations_done(kept)
     assert generation > 0
     assert said.startswith(f"seed {seed}, generation {generation + 1}: ")
     assert line in said

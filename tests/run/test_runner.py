@@ -59,7 +59,7 @@ def test_stopped_after_any_generation_resumes_exactly(
             with pytest.raises(error):
                 block(output, resume=True, on_generation=killer(seed, generation, error))
             assert not output.exists()
-            saved = checkpoint.load(
+            saved = checkpoint.read_checkpoint(
                 tmp_path / "run.parquet.partial" / f"seed_{seed:06}.npz",
                 SPEC.model_copy(update={"seed": seed}),
             )[0]
@@ -108,7 +108,9 @@ def test_checkpoints_come_as_often_as_asked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     saved: list[int] = []
-    monkeypatch.setattr(checkpoint, "save", lambda _path, run, _cost: saved.append(run.generation))
+    monkeypatch.setattr(
+        runner, "write_checkpoint", lambda _path, run, _spent: saved.append(run.generation)
+    )
     block(tmp_path / "run.parquet", run_spec(generations=7), seeds=(0,), checkpoint_every=3)
     assert saved == [3, 6]
 
@@ -118,8 +120,8 @@ def test_costs_add_up_over_resumptions(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         block(output, seeds=(0,), on_generation=killer(0, 3, KeyboardInterrupt))
     path = tmp_path / "run.parquet.partial" / "seed_000000.npz"
-    evolution, cost = checkpoint.load(path, SPEC)
-    checkpoint.save(path, evolution, dataclasses.replace(cost, wall_seconds=1000.0))
+    evolution, spent = checkpoint.read_checkpoint(path, SPEC)
+    checkpoint.write_checkpoint(path, evolution, dataclasses.replace(spent, wall_seconds=1000.0))
     info: SeedInfo = block(output, seeds=(0,), resume=True).seeds[0]
     assert info.wall_seconds > 1000.0
 

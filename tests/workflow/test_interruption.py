@@ -80,9 +80,11 @@ def kept(clone: Path, spec: RunSpec) -> SeedInfo:
     """What is kept of the first seed; the second's checkpoint gets a cost to know it by."""
     partial = partial_folder(clone / RECORD)
     path = checkpoint_path(partial, 1)
-    evolution, cost = checkpoint.load(path, spec.model_copy(update={"seed": 1}))
+    evolution, spent = checkpoint.read_checkpoint(path, spec.model_copy(update={"seed": 1}))
     assert evolution.generation >= 10
-    checkpoint.save(path, evolution, checkpoint.Cost(cost.wall_seconds + 1e6, cost.cpu_seconds))
+    checkpoint.write_checkpoint(
+        path, evolution, checkpoint.TimeSpent(spent.wall_seconds + 1e6, spent.cpu_seconds)
+    )
     return read_record(finished_path(partial, 0)).seeds[0]
 
 

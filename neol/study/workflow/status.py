@@ -97,15 +97,15 @@ class Folder:
         return status
 
     def _status(self, job: Job, looks: int = 3) -> JobStatus:
-        partial = partial_folder(job.record)
+        workspace = partial_folder(job.record)
         try:
             if job.record.exists():
                 finished = self._runs(job)
                 return JobStatus(job, "done" if finished else "missing", finished)
-            if not partial.exists():
+            if not workspace.exists():
                 return JobStatus(job, "missing")
             singles = [
-                replace(job, record=finished_path(partial, seed), seeds=range(seed, seed + 1))
+                replace(job, record=finished_path(workspace, seed), seeds=range(seed, seed + 1))
                 for seed in job.seeds
             ]
             finished = tuple(r for one in singles if one.record.exists() for r in self._runs(one))
@@ -117,8 +117,8 @@ class Folder:
             return JobStatus(job, "failed", reason=str(error))
         if not (unfinished := _unfinished(job, finished)):
             return JobStatus(job, "done", finished)
-        generation = checkpoint.generations(checkpoint_path(partial, unfinished[0]))
-        state: JobState = "running" if is_running(partial) else "interrupted"
+        generation = checkpoint.generations_done(checkpoint_path(workspace, unfinished[0]))
+        state: JobState = "running" if is_running(workspace) else "interrupted"
         return JobStatus(job, state, finished, generation)
 
     def _runs(self, job: Job) -> tuple[Finished, ...]:
