@@ -1,0 +1,109 @@
+"""The primary comparison of two groups of runs: the difference of their means.
+
+Its interval is Welch's (1947), from each side's number of seeds, mean and standard deviation alone,
+so numbers that the paper prints are compared in the same way as our runs. Where both sides share
+their seeds, `paired` is the analysis of the pairs. Too little data gives NaN, never a guess.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+from neol.study.outcomes.statistics import ALPHA, Estimate
+
+WHY_THEY_DIFFER = (
+    "The difference of means is the primary comparison. A12 and the rank-sum test ask how often "
+    "one run beats another, by whatever margin, so they may disagree with it where a few runs "
+    "decide the mean."
+)
+"""For captions that show A12 or p-values beside the difference."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moments:
+    """What a table prints of some runs."""
+
+    seeds: int
+    mean: float
+    sd: float
+    """With n - 1 in its denominator; NaN below two seeds."""
+
+    @classmethod
+    def of(cls, sample: npt.ArrayLike) -> Self:
+        """Those of some runs, float64[n]."""
+        values = np.asarray(sample, dtype=np.float64)
+        mean = float(values.mean()) if len(values) else math.nan
+        sd = float(values.std(ddof=1)) if len(values) > 1 else math.nan
+        return cls(len(values), mean, sd)
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A difference of two means with what its interval and its test need."""
+
+    value: float
+    error: float
+    """Its standard error; 0 where neither side varies."""
+    degrees: float
+    """Degrees of freedom of Student's t."""
+
+    def interval(self, confidence: float = 1 - ALPHA) -> tuple[float, float]:
+        """Where the true difference lies; a point without any spread."""
+        if self.error == 0:
+            return self.value, self.value
+        reach = float(stats.t.ppf((1 + confidence) / 2, self.degrees)) * self.error
+        return self.value - reach, self.value + reach
+
+    def p(self, null: float = 0.0) -> float:
+        """Two-sided p-value of the hypothesis that the true difference is `null`."""
+        if self.error == 0:
+            return float(self.value == null)
+        return float(2 * stats.t.sf(abs(self.value - null) / self.error, self.degrees))
+
+
+def difference(sample: Moments, against: Moments) -> Difference:
+    """Difference of two means whose variances may differ, with Welch's degrees of freedom."""
+    first, second = (
+        each.sd**2 / each.seeds if each.seeds else math.nan for each in (sample, against)
+    )
+    error, value = math.sqrt(first + second), sample.mean - against.mean
+    if not error > 0:  # no spread, or NaN
+        return Difference(value, error, math.nan)
+    shares = first**2 / (sample.seeds - 1) + second**2 / (against.seeds - 1)
+    return Difference(value, error, (first + second) ** 2 / shares)
+
+
+def paired(sample: Mapping[int, float], against: Mapping[int, float]) -> Difference:
+    """Mean difference of the runs that share a seed; each side's values are given by seed."""
+    gaps = [sample[seed] - against[seed] for seed in sorted(sample.keys() & against.keys())]
+    moments = Moments.of(gaps)
+    error = moments.sd / math.sqrt(moments.seeds) if gaps else math.nan
+    return Difference(moments.mean, error, moments.seeds - 1)
+
+
+def correlation(sample: Mapping[int, float], against: Mapping[int, float]) -> float:
+    """Pearson's correlation over shared seeds; NaN for fewer than three, or without spread."""
+    shared = sorted(sample.keys() & against.keys())
+    pairs = np.array([(sample[seed], against[seed]) for seed in shared]).reshape(-1, 2)
+    if len(pairs) < 3 or (pairs == pairs[0]).all(axis=0).any():
+        return math.nan
+    return float(np.corrcoef(pairs.T)[0, 1])
+
+
+def sd_ratio(sample: Moments, against: Moments, confidence: float = 1 - ALPHA) -> Estimate:
+    """Ratio of two standard deviations with its interval from F (normal outcomes).
+
+    NaN where a side has fewer than two seeds, or the divisor is 0.
+    """
+    if not (sample.sd >= 0 and against.sd > 0):
+        return Estimate(math.nan, math.nan, math.nan)
+    ratio = sample.sd / against.sd
+    tails = (1 + confidence) / 2, (1 - confidence) / 2
+    quantiles = stats.f.ppf(tails, sample.seeds - 1, against.seeds - 1)
+    low, high = ratio / np.sqrt(quantiles)
+    return Estimate(ratio, float(low), float(high))
