@@ -2,8 +2,9 @@
 
 PYTHON ?= python3
 VENV   := .venv
-BIN    := $(CURDIR)/$(VENV)/bin
-RUN    := PATH="$(BIN):$$PATH"
+BIN    := $(VENV)/bin
+# The shell expands $$PWD: the path of this folder may hold spaces, quotes and dollars.
+RUN    := PATH="$$PWD/$(BIN):$$PATH"
 PYTEST := pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SHELL  := /bin/bash
 

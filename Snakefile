@@ -83,7 +83,7 @@ rule run:
     message:
         "{params.reason}"
     shell:
-        "python -m neol run {params.arguments} --workers {threads} --resume --keep-partial --quiet --output {output} > {log} 2>&1"
+        "python -m neol run {params.arguments} --workers {threads} --resume --keep-partial --quiet --output {output:q} > {log:q} 2>&1"
 
 
 # All other records are there as they should be: asked for, there is nothing to do.
@@ -117,12 +117,8 @@ for notebook, together in by_notebook(exhibits(CONFIGURATION.budget)).items():
         resources:
             mem_mb=1000,
         params:
-            budget=BUDGET,
-            reading=READING,
-            tasks=TASKS,
-            output=f"../{FIGURES}",
+            arguments=papermill_arguments(),
         shell:
-            "(python -m papermill --no-progress-bar --log-output --cwd notebooks -p budget {params.budget} -p reading {params.reading} -p tasks '{params.tasks}' "
-            "-p results ../results -p output {params.output} {input.notebook} {output.notebook} && "
-            "python -m nbconvert --to html {output.notebook}) > {log} 2>&1; "
-            "(grep '^neol: ' {log} || true) >&2"
+            "(python -m papermill --no-progress-bar --log-output --cwd notebooks {params.arguments} {input.notebook:q} {output.notebook:q} && "
+            "python -m nbconvert --to html {output.notebook:q}) > {log:q} 2>&1; "
+            "(grep '^neol: ' {log:q} || true) >&2"

@@ -1,5 +1,6 @@
 """What all rules share: the budget, its runs, and what each notebook makes."""
 
+import shlex
 import sys
 from glob import glob
 from pathlib import Path
@@ -25,9 +26,8 @@ from neol.study.workflow.snakemake import clear_stale_locks, pattern
 
 # The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
 # `snakemake --lint` asks of each rule.
-shell.prefix(
-    f"set -euo pipefail; export PATH='{Path(sys.executable).parent}':\"$PATH\"; "
-)
+BIN = shlex.quote(str(Path(sys.executable).parent))
+shell.prefix(f'set -euo pipefail; export PATH={BIN}:"$PATH"; ')
 
 ALLOWED = "budget", "reading", "set", "tasks"
 if unknown := sorted(set(config) - set(ALLOWED)):
@@ -80,6 +80,20 @@ def run_minutes(wildcards):
     """How long a cluster shall let a job run."""
     this = job(wildcards)
     return walltime_minutes(this.spec, len(this.seeds))
+
+
+def papermill_arguments():
+    """The parameters of every notebook, as words of a shell."""
+    parameters = {
+        "budget": BUDGET,
+        "reading": READING,
+        "tasks": TASKS,
+        "results": "../results",
+        "output": f"../{FIGURES}",
+    }
+    return shlex.join(
+        word for name, value in parameters.items() for word in ("-p", name, value)
+    )
 
 
 def python(*folders):

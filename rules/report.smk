@@ -46,7 +46,7 @@ rule showcase:
         reading=READING,
         tasks=TASKS,
     shell:
-        "python -m neol.study.report.showcase {params.budget} --reading {params.reading} --tasks '{params.tasks}' {output} > {log} 2>&1"
+        "python -m neol.study.report.showcase {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {output:q} > {log:q} 2>&1"
 
 
 rule report_page:
@@ -73,7 +73,7 @@ rule report_page:
         tasks=TASKS,
         figures=lambda wildcards, output: Path(output[0]).parent,
     shell:
-        "python -m neol.study.report.page {params.budget} --reading {params.reading} --tasks '{params.tasks}' {params.figures} {input.champions} {output} > {log} 2>&1"
+        "python -m neol.study.report.page {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {params.figures:q} {input.champions:q} {output:q} > {log:q} 2>&1"
 
 
 rule results_page:
@@ -99,7 +99,7 @@ rule results_page:
         tasks=TASKS,
         figures=lambda wildcards, input: Path(input.picture).parent,
     shell:
-        "python -m neol.study.report.results {params.budget} --reading {params.reading} --tasks '{params.tasks}' {params.figures} {output.page} > {log} 2>&1"
+        "python -m neol.study.report.results {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {params.figures:q} {output.page:q} > {log:q} 2>&1"
 
 
 # Of the records that are there; `make search` makes those of docs/readings-plan.md.
@@ -132,7 +132,7 @@ rule readings_page:
     resources:
         mem_mb=1000,
     shell:
-        "python -m neol.study.report.readings {output.page} > {log} 2>&1"
+        "python -m neol.study.report.readings {output.page:q} > {log:q} 2>&1"
 
 
 rule paper_numbers:
@@ -157,7 +157,7 @@ rule paper_numbers:
         tasks=TASKS,
         figures=lambda wildcards, input: Path(input.shown[0]).parent,
     shell:
-        "python -m neol.study.report.paper_text {params.budget} --reading {params.reading} --tasks '{params.tasks}' {params.figures} {output} > {log} 2>&1"
+        "python -m neol.study.report.paper_text {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {params.figures:q} {output:q} > {log:q} 2>&1"
 
 
 rule paper:
@@ -178,4 +178,4 @@ rule paper:
     resources:
         mem_mb=500,
     shell:
-        "{input.script} {input.text} {input.numbers} {output} > {log}"
+        "{input.script:q} {input.text:q} {input.numbers:q} {output:q} > {log:q}"

@@ -9,9 +9,11 @@ from pydantic import Field
 
 from neol.network.rules import NO_RULE
 from neol.spec.types import (
+    EnvironmentName,
     ForEachTask,
     MethodName,
     Model,
+    Name,
     NonNegativeFloat,
     NonNegativeInt,
     PopulationSize,
@@ -21,7 +23,7 @@ from neol.spec.types import (
     RuleName,
     Seeds,
     Several,
-    Text,
+    TaskName,
     WeightMutation,
 )
 
@@ -29,9 +31,9 @@ from neol.spec.types import (
 class Task(Model):
     """A Gymnasium environment and how long an episode of it may be (Section 4.1)."""
 
-    name: Text
+    name: TaskName
     """Its key under `tasks`; never written in a file."""
-    environment: Annotated[str, Field(pattern="^[^:]+$")]
+    environment: EnvironmentName
     """Gymnasium id, without a module: a file from elsewhere must not have one imported."""
     max_steps: PositiveInt
     """T_max: an episode's limit in environment steps."""
@@ -65,7 +67,7 @@ class PlasticityConstants(Model):
 class Plasticity(PlasticityConstants):
     """The plasticity of a run."""
 
-    rule: Text
+    rule: Name
     """A record may name one that is not known here; no engine plays with it."""
     learning_rate: NonNegativeFloat
     """eta."""
@@ -169,7 +171,7 @@ class Method(Model):
 class Budget(Model):
     """How much a campaign spends."""
 
-    name: Text
+    name: Name
     """The name of its file; never written in it."""
     generations: ForEachTask
     """G: of any task, or for each."""
@@ -178,7 +180,7 @@ class Budget(Model):
     populations: Several[PopulationSize]
     learning_rates: Several[NonNegativeFloat]
     """Grid of eta for the methods with a rule."""
-    tasks: Several[Text]
+    tasks: Several[TaskName]
     methods: Several[MethodName]
     seeds_per_job: ForEachTask
     """Runs of a cell that one job of the workflow makes: of any task, or for each."""

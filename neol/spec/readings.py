@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from neol.base.errors import UserError, hint, one_line
 from neol.spec.sources import Overlay
-from neol.spec.types import Model, Text
+from neol.spec.types import NAME, Model, Text
 
 DEFAULT_READING = "default"
 """The constants of config/base.yaml."""
@@ -48,6 +48,10 @@ def read_reading(folder: Path, name: str) -> Reading:
     if name not in known:
         several = "; give one reading" if re.search(r"[\s,]", name) else ""
         raise UserError(f'unknown reading "{name}"{several}{hint(name, known)}')
+    if not re.fullmatch(NAME, name):
+        raise UserError(
+            f"{folder / name}.yaml: cannot be part of a path; name it with letters, digits, _ . -"
+        )
     overlay = Overlay()
     overlay.add_file(folder / f"{name}.yaml")
     try:

@@ -14,7 +14,7 @@ from neol.spec.constants import (
     Plasticity,
     Task,
 )
-from neol.spec.types import Model, PopulationSize, PositiveInt, Seed, Text
+from neol.spec.types import Model, Name, PopulationSize, PositiveInt, Seed
 
 ADDED_LATER: dict[str, dict[str, Any]] = {
     "network": {"activation_scale": 1.0},
@@ -36,7 +36,7 @@ class RunSpec(Model):
     """Everything that a run's trajectory is a function of."""
 
     task: Task
-    method: Text
+    method: Name
     population: PopulationSize
     """P."""
     generations: PositiveInt

@@ -87,21 +87,43 @@ RuleName = Annotated[str, _OneOf(lambda: [NO_RULE, *RULES])]
 MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES])]
 
 
-def _union(sentence: LiteralString) -> WrapValidator:
-    """Say in one sentence what is allowed where pydantic would report on each member of a union."""
+def _in_words(sentence: LiteralString) -> WrapValidator:
+    """Say in one sentence what is allowed, where pydantic would show a pattern or each member."""
 
     def check(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
         try:
             return validate(value)
         except ValidationError:
-            raise PydanticCustomError("union", sentence) from None
+            raise PydanticCustomError("in_words", sentence) from None
 
     return WrapValidator(check)
 
 
+NAME = r"\w[\w.+-]*"
+"""A name as part of paths and commands: no slash, space, quote or dollar, no dot or dash first."""
+Name = Annotated[
+    str,
+    Field(pattern=f"^{NAME}$", max_length=100),
+    _in_words("must be a name of at most 100 letters, digits and _ . + -, a letter or digit first"),
+]
+TaskName = Annotated[
+    str,
+    Field(pattern=f"^(gym:({NAME}/)?)?{NAME}$", max_length=100),
+    _in_words(
+        "must be a name of at most 100 letters, digits and _ . + -, a letter or digit first, "
+        "or gym:ID"
+    ),
+]
+EnvironmentName = Annotated[
+    str,
+    Field(pattern=f"^({NAME}/)?{NAME}$", max_length=100),
+    _in_words("must be Gymnasium's ID of an environment, without a module"),
+]
+Label = Annotated[str, Field(pattern=rf"^{NAME}(=[\w.+=-]*)?$", max_length=1000)]
+"""A reading's name, with the constants that are changed: see neol.spec.readings."""
 WeightMutation = Annotated[
     Literal["off", "config"] | Probability,
-    _union("must be 'off', 'config' or a probability from 0 to 1"),
+    _in_words("must be 'off', 'config' or a probability from 0 to 1"),
 ]
 SeedCount = Annotated[int, Field(ge=1, le=10_000)]
 
@@ -115,9 +137,9 @@ class SeedRange(Model):
 
 Seeds = Annotated[
     SeedCount | SeedRange,
-    _union("must be a number of seeds from 1 to 10000, or like {first: 1000, count: 10}"),
+    _in_words("must be a number of seeds from 1 to 10000, or like {first: 1000, count: 10}"),
 ]
 ForEachTask = Annotated[
     PositiveInt | dict[Text, PositiveInt],
-    _union("must be an integer from 1 to 2^53, or such an integer for each task"),
+    _in_words("must be an integer from 1 to 2^53, or such an integer for each task"),
 ]

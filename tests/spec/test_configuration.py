@@ -6,6 +6,7 @@ import pytest
 
 from neol.spec import configuration as spec
 from neol.spec.configuration import CONFIG, load_configuration
+from neol.spec.readings import read_reading
 from tests.helpers.refusal import refusal
 
 
@@ -170,3 +171,20 @@ def test_every_constant_of_the_base_has_its_source():
         key, _, value = line.partition(": ")
         if value.strip() and not key.startswith("#") and "hardcore" not in key:
             assert " # " in line or key.strip() == "fresh_world", line
+
+
+@pytest.mark.parametrize("name", ["x$(touch PWNED)y", "../../../x", "it's", "a b", "-x", ".."])
+def test_a_name_that_a_shell_or_a_path_would_read_otherwise(name: str) -> None:
+    task = "{environment: CartPole-v1, max_steps: 5, fresh_world: false}"
+    text = refusal(load_configuration, "smoke", [f'tasks={{"{name}": {task}}}'])
+    assert "must be a name of at most 100 letters, digits and _ . + -" in text
+    text = refusal(load_configuration, "smoke", [f'budget.tasks=["{name}"]'])
+    assert "must be a name of at most 100 letters, digits and _ . + -" in text
+    text = refusal(load_configuration, "smoke", [f'tasks.cartpole.environment="{name}"'])
+    assert "must be Gymnasium's ID of an environment" in text
+
+
+def test_a_reading_whose_files_name_cannot_be_part_of_a_path(tmp_path: Path) -> None:
+    (tmp_path / "x$(touch PWNED)y.yaml").touch()
+    text = refusal(read_reading, tmp_path, "x$(touch PWNED)y")
+    assert "cannot be part of a path; name it with letters" in text
