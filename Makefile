@@ -13,7 +13,7 @@ ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report docs lab lint check test search bench lock clean FORCE
+.PHONY: help environment report docs lab lint check test search bench agreement lock clean FORCE
 .DELETE_ON_ERROR:
 
 help:
@@ -25,6 +25,7 @@ help:
 	@echo 'make test                 all checks and tests'
 	@echo 'make search              which readings of the paper make its baselines: many hours of runs (docs/readings-plan.md)'
 	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
+	@echo 'make agreement            our NEAT beside neat-python 0.92; a quarter of an hour, writes docs/neat-python.csv'
 	@echo 'make environment          only set up $(VENV)'
 	@echo 'make lock                 resolve pyproject.toml into environment.lock anew'
 	@echo 'make clean                remove $(VENV) and all caches; results/ and figures/ stay'
@@ -66,6 +67,12 @@ bench: $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	    --requirement benchmarks/requirements.lock
 	$(BIN)/python -m benchmarks.run
+
+# neat-python 0.92 has a folder of its own: the peer is another release of it.
+agreement: $(READY)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --upgrade \
+	    --target build/neat-python-0.92 --requirement benchmarks/neat_python_092.lock
+	PYTHONPATH=build/neat-python-0.92 $(BIN)/python -m benchmarks.agreement
 
 environment: $(READY)
 

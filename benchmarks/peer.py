@@ -45,7 +45,7 @@ def run_spec(spec: RunSpec) -> PeerRun:
     environment = gymnasium.make(
         spec.task.environment, max_episode_steps=spec.task.max_steps, disable_env_checker=True
     )
-    config = _config(spec, environment)
+    config = configuration(spec, environment)
     generation = steps = 0
 
     def evaluate(genomes: list[tuple[int, Any]], config: Any) -> None:
@@ -117,7 +117,7 @@ def write_back(genome: Any, network: Any) -> None:
             genome.connections[source, node].weight = weight
 
 
-def _config(spec: RunSpec, environment: Any) -> Any:
+def configuration(spec: RunSpec, environment: Any) -> Any:
     """neat-python's configuration, through the file that it insists on."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "config"

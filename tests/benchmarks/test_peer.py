@@ -34,18 +34,18 @@ def test_a_run_of_the_peer_plays_every_genome() -> None:
 
 
 def test_the_peer_has_the_project_s_constants() -> None:
-    config = peer._config(specification("neat"), gymnasium.make("CartPole-v1"))
+    config = peer.configuration(specification("neat"), gymnasium.make("CartPole-v1"))
     assert config.genome_config.weight_mutate_rate == 0.8
     assert config.genome_config.initial_connection == "full_direct"
     assert config.species_set_config.compatibility_threshold == 3.0
-    off = peer._config(specification("hebb"), gymnasium.make("CartPole-v1"))
+    off = peer.configuration(specification("hebb"), gymnasium.make("CartPole-v1"))
     assert off.genome_config.weight_mutate_rate == off.genome_config.bias_replace_rate == 0.0
 
 
 @pytest.mark.parametrize("rule", ["hebb", "oja", "bcm"])
 def test_the_peer_s_network_learns_as_the_project_s(rule: str) -> None:
     spec = specification(rule)
-    config = peer._config(spec, gymnasium.make("CartPole-v1"))
+    config = peer.configuration(spec, gymnasium.make("CartPole-v1"))
     population = peer.neat.Population(config, seed=1)
     genome = next(iter(population.population.values()))
     network = peer.neat.nn.FeedForwardNetwork.create(genome, config)

@@ -1,0 +1,169 @@
+"""Our NEAT beside neat-python 0.92, both with our engine: `make agreement`.
+
+Runs both and writes every generation to docs/neat-python.csv; `judge` compares them.
+docs/neat-python.md says what is compared, and stated the margins before the first run.
+"""
+
+import importlib.metadata
+import platform
+import sys
+from collections.abc import Iterator
+from io import StringIO
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from neol.base.errors import UserError
+from neol.base.files import write_atomically
+from neol.rollout import Engine, make_engine
+from neol.rollout.reference import network_size
+from neol.run.evolution import Evolution
+from neol.spec.configuration import ROOT, load_configuration
+from neol.spec.run_spec import RunSpec
+from neol.study.outcomes.statistics import Floats, mean_difference_interval
+
+OUTPUT = ROOT / "docs" / "neat-python.csv"
+READING = "neat_python"
+OURS, LIBRARY = "neol", "neat-python"
+SIDES = {OURS: 1_005_000, LIBRARY: 1_006_000}
+"""Who evolves, with the first seed."""
+POPULATION, GENERATIONS, LAST = 100, 40, 10
+SEEDS = {"cartpole": 30, "lunar_lander": 20}
+COLUMNS = {
+    "best_fitness": "best fitness",
+    "mean_fitness": "mean fitness",
+    "species": "species",
+    "nodes_mean": "hidden and output nodes",
+    "connections_mean": "enabled connections",
+}
+"""What is compared: columns of a record, and how they are called."""
+FITNESS_MARGIN = {"cartpole": 50.0, "lunar_lander": 40.0}
+"""Differences of mean fitness that are small enough."""
+RATIO_MARGIN = 1.25
+"""And the ratio of mean numbers of species, nodes and connections, either way."""
+CONFIDENCE = 0.90
+"""Of the interval that must lie within the margins: two one-sided tests at 5%."""
+
+
+class Agreement(NamedTuple):
+    """How one quantity compares: differences for fitness, ratios for counts."""
+
+    task: str
+    quantity: str
+    generations: str
+    ours: float
+    library: float
+    difference: float
+    low: float
+    high: float
+    margin: float
+
+    @property
+    def equivalent(self) -> bool:
+        """Whether the interval lies within the margins."""
+        below = 1 / self.margin if self.quantity not in FITNESS else -self.margin
+        return below < self.low and self.high < self.margin
+
+
+FITNESS = tuple(COLUMNS)[:2]
+
+
+def run_spec(task: str, seed: int) -> RunSpec:
+    """A run of NEAT with the library's constants."""
+    return load_configuration(reading=READING).run_spec(
+        task=task, method="neat", population=POPULATION, generations=GENERATIONS, seed=seed
+    )
+
+
+def our_generations(spec: RunSpec, engine: Engine) -> Iterator[tuple[float, ...]]:
+    """A run of ours: what is compared of each generation."""
+    for row in Evolution.begin(spec, *network_size(spec.task)).run(engine):
+        yield tuple(getattr(row, column) for column in COLUMNS)
+
+
+def run_all() -> pd.DataFrame:
+    """Every generation of every run: who evolves, task, seed, generation, `COLUMNS`."""
+    from benchmarks import library
+
+    rows = []
+    for task, seeds in SEEDS.items():
+        engine = make_engine(run_spec(task, 0).task)
+        for side, first in SIDES.items():
+            evolve = our_generations if side == OURS else library.evolve
+            for seed in range(first, first + seeds):
+                generations = enumerate(evolve(run_spec(task, seed), engine), start=1)
+                rows += [(side, task, seed, number, *values) for number, values in generations]
+            print(f"{task}: {seeds} runs of {side}", file=sys.stderr, flush=True)
+        engine.close()
+    return pd.DataFrame(rows, columns=["evolves", "task", "seed", "generation", *COLUMNS])
+
+
+def judge(runs: pd.DataFrame) -> list[Agreement]:
+    """Each quantity's mean over all generations, and over the last ones, compared over runs."""
+    found = []
+    for task in SEEDS:
+        for begin, name in ((1, "all"), (GENERATIONS - LAST + 1, f"last {LAST}")):
+            there = runs[(runs["task"] == task) & (runs["generation"] >= begin)]
+            of_runs = there.groupby(["evolves", "seed"])[list(COLUMNS)].mean()
+            for column in COLUMNS:
+                samples = [of_runs.loc[side, column].to_numpy() for side in (OURS, LIBRARY)]
+                found.append(_compare(task, column, name, *samples))
+    return found
+
+
+def _compare(task: str, column: str, generations: str, ours: Floats, library: Floats) -> Agreement:
+    means = float(ours.mean()), float(library.mean())
+    if column in FITNESS:
+        difference = means[0] - means[1]
+        low, high = mean_difference_interval(ours, library, CONFIDENCE)
+        margin = FITNESS_MARGIN[task]
+        return Agreement(task, column, generations, *means, difference, low, high, margin)
+    logarithms = np.log(ours), np.log(library)
+    difference = np.exp(logarithms[0].mean() - logarithms[1].mean())
+    low, high = np.exp(mean_difference_interval(*logarithms, CONFIDENCE))
+    return Agreement(task, column, generations, *means, difference, low, high, RATIO_MARGIN)
+
+
+def table(found: list[Agreement]) -> str:
+    """The comparison as a Markdown table."""
+    lines = [
+        "| task | mean over generations | of | neol | neat-python | difference or ratio | 90% interval "
+        "| within | |",
+        "|" + " --- |" * 9,
+    ]
+    for each in found:
+        fitness = each.quantity in FITNESS
+        digits = 1 if fitness else 2
+        within = f"± {each.margin:.0f}" if fitness else f"{1 / each.margin:.2f} to {each.margin}"
+        numbers = [f"{value:.{digits}f}" for value in each[3:6]]
+        interval = f"{each.low:.{digits}f} to {each.high:.{digits}f}"
+        verdict = "equivalent" if each.equivalent else "**not shown to be**"
+        words = [each.task, COLUMNS[each.quantity], each.generations, *numbers, interval]
+        lines.append("| " + " | ".join([*words, within, verdict]) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def write(runs: pd.DataFrame, path: Path = OUTPUT) -> None:
+    """Write all generations, after lines that say what made them."""
+    packages = ("neat-python", "numpy", "gymnasium")
+    versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in packages)
+    text = StringIO()
+    text.write("# made by: make agreement\n")
+    text.write(f"# with: {versions}, Python {platform.python_version()}\n")
+    runs.to_csv(text, index=False, float_format="%.6g", lineterminator="\n")
+    write_atomically(path, text.getvalue().encode())
+
+
+def read(path: Path = OUTPUT) -> pd.DataFrame:
+    """What `write` wrote."""
+    return pd.read_csv(path, comment="#")
+
+
+if __name__ == "__main__":
+    try:
+        write(run_all())
+    except UserError as error:
+        sys.exit(f"agreement: {error}")
+    print(table(judge(read())), end="")
