@@ -29,7 +29,7 @@ READING = "neat_python"
 OURS, LIBRARY = "neol", "neat-python"
 SIDES = {OURS: 1_005_000, LIBRARY: 1_006_000}
 """Who evolves, with the first seed."""
-POPULATION, GENERATIONS, LAST = 100, 40, 10
+POPULATION, GENERATIONS, LAST = 50, 40, 10
 SEEDS = {"cartpole": 30, "lunar_lander": 20}
 COLUMNS = {
     "best_fitness": "best fitness",
@@ -129,8 +129,8 @@ def _compare(task: str, column: str, generations: str, ours: Floats, library: Fl
 def table(found: list[Agreement]) -> str:
     """The comparison as a Markdown table."""
     lines = [
-        "| task | mean over generations | of | neol | neat-python | difference or ratio | 90% interval "
-        "| within | |",
+        "| task | mean over generations | of | neol | neat-python | difference or ratio "
+        "| 90% interval | within | |",
         "|" + " --- |" * 9,
     ]
     for each in found:

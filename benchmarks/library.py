@@ -31,22 +31,23 @@ def evolve(spec: RunSpec, engine: Engine) -> Iterator[Generation]:
     environment.close()
     random.seed(spec.seed)
     population = peer.neat.Population(config)
-    for number in range(1, spec.generations + 1):
-        generation: list[Generation] = []
+    done: list[Generation] = []
 
-        def evaluate(genomes: list[tuple[int, Any]], config: Any) -> None:
-            del config
-            played = networks([genome for _, genome in genomes], spec)
-            seeds = episode_seeds(spec.seed, number, len(genomes), spec.evaluation.episodes)
-            fitness = engine.evaluate(played, seeds, spec.plasticity).returns.mean(axis=1)
-            for (_, genome), value in zip(genomes, fitness.tolist(), strict=True):
-                genome.fitness = value
-            sizes = np.array([genome.size() for _, genome in genomes]).mean(axis=0)
-            species = len(population.species.species)
-            generation.append((float(fitness.max()), float(fitness.mean()), species, *sizes))
+    def evaluate(genomes: list[tuple[int, Any]], config: Any) -> None:
+        del config
+        size, episodes = len(genomes), spec.evaluation.episodes
+        seeds = episode_seeds(spec.seed, len(done) + 1, size, episodes)
+        played = networks([genome for _, genome in genomes], spec)
+        fitness = engine.evaluate(played, seeds, spec.plasticity).returns.mean(axis=1)
+        for (_, genome), value in zip(genomes, fitness.tolist(), strict=True):
+            genome.fitness = value
+        species = len(population.species.species)
+        sizes = np.mean([genome.size() for _, genome in genomes], axis=0)
+        done.append((float(fitness.max()), float(fitness.mean()), species, *sizes))
 
+    for _ in range(spec.generations):
         population.run(evaluate, 1)
-        yield generation[0]
+        yield done[-1]
 
 
 def networks(genomes: list[Any], spec: RunSpec) -> Networks:
