@@ -13,7 +13,7 @@ ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help environment report docs lab lint check test search bench agreement lock clean FORCE
+.PHONY: help environment report docs lab lint check test search multiverse bench agreement lock clean FORCE
 .DELETE_ON_ERROR:
 
 help:
@@ -23,7 +23,8 @@ help:
 	@echo 'make lab                  play: opens notebooks/explore.ipynb in JupyterLab'
 	@echo 'make check                style, types and the fast tests, in under a minute'
 	@echo 'make test                 all checks and tests'
-	@echo 'make search              which readings of the paper make its baselines: many hours of runs (docs/readings-plan.md)'
+	@echo 'make search               which readings of the paper make its baselines: many hours of runs (docs/readings-plan.md)'
+	@echo 'make multiverse           each question under 32 readings: hours of runs (docs/readings-plan.md)'
 	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
 	@echo 'make agreement            our NEAT beside neat-python 0.92; a quarter of an hour, writes docs/neat-python.csv'
 	@echo 'make environment          only set up $(VENV)'
@@ -61,6 +62,10 @@ test: lint
 # In the order of config/search/candidates.yaml; what is done is not done again.
 search: $(READY)
 	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.search search | xargs --max-lines=1 snakemake'
+
+# The same for config/search/multiverse.yaml.
+multiverse: $(READY)
+	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.multiverse | xargs --max-lines=1 snakemake'
 
 # neat-python (the peer) and EnvPool are no dependencies of the library: they are installed here only.
 bench: $(READY)

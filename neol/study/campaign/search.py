@@ -6,7 +6,7 @@ arguments of one call of snakemake for each reading, `... confirmation READING` 
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -69,15 +69,20 @@ def baseline_blocks(reading: str, method: str, budget: str) -> list[Block]:
 
 def calls(budget: str, readings: Sequence[str]) -> list[str]:
     """The arguments of the calls of snakemake that make the records of some candidates in turn."""
-    wanted: dict[str, dict[str, None]] = {}
+    wanted: dict[str, dict[Block, None]] = {}
     for reading in readings:
         for method in BASELINES:
-            records = wanted.setdefault(source(reading, method), {})
             asked = baseline_blocks(reading, method, budget)
-            records |= {str(RESULTS / each.record): None for each in asked}
+            wanted.setdefault(source(reading, method), {}).update(dict.fromkeys(asked))
+    return workflow_calls(budget, wanted)
+
+
+def workflow_calls(budget: str, wanted: Mapping[str, Iterable[Block]]) -> list[str]:
+    """The arguments of a call of snakemake for each reading: it makes the records of its blocks."""
     return [
-        f"{' '.join(records)} --config budget={budget} reading={reading}"
-        for reading, records in wanted.items()
+        f"{' '.join(str(RESULTS / block.record) for block in asked)} "
+        f"--config budget={budget} reading={reading}"
+        for reading, asked in wanted.items()
     ]
 
 

@@ -1,0 +1,94 @@
+"""The multiverse: every question under every reading of a declared grid, and what is run.
+
+docs/readings-plan.md is its plan. `python -m neol.study.campaign.multiverse` prints the arguments
+of one call of snakemake for each set of constants.
+"""
+
+import itertools
+import json
+import sys
+from functools import cache
+
+from pydantic import TypeAdapter, ValidationError
+
+from neol.base.errors import UserError, one_line
+from neol.spec.configuration import CONFIG, Configuration, load_configuration
+from neol.spec.readings import DEFAULT_READING, with_changes
+from neol.spec.sources import Overlay
+from neol.spec.types import MethodName, Model, Several, Text
+from neol.study.campaign.grid import Block, blocks
+from neol.study.campaign.search import workflow_calls
+
+GRID = CONFIG / "search" / "multiverse.yaml"
+BUDGET = "multiverse"
+Universe = dict[str, str]
+"""A reading of the grid: the option of each choice."""
+
+
+class Choice(Model):
+    """What can be read in several ways."""
+
+    methods: Several[MethodName]
+    """Those that it concerns."""
+    options: dict[Text, tuple[Text, ...]]
+    """By name: the constants that an option sets, like neat.elitism=3."""
+
+
+def choices() -> dict[str, Choice]:
+    """The choices by name. Raises UserError for what the file may not state."""
+    overlay = Overlay()
+    overlay.add_file(GRID)
+    kind = dict[str, Choice]
+    try:
+        return TypeAdapter(kind).validate_json(json.dumps(overlay.values))
+    except ValidationError as error:
+        raise UserError(one_line(error, kind, overlay.place)) from None
+
+
+def universes() -> list[Universe]:
+    """Every reading of the grid, in the order of their runs; the last choice changes fastest."""
+    found = choices()
+    options = itertools.product(*(choice.options for choice in found.values()))
+    return [dict(zip(found, each, strict=True)) for each in options]
+
+
+def configuration(universe: Universe, method: str) -> Configuration:
+    """The budget under what of a reading concerns a method.
+
+    Raises UserError for a constant or a value that is not allowed.
+    """
+    concerning = {name: each for name, each in choices().items() if method in each.methods}
+    constants = [text for name, each in concerning.items() for text in each.options[universe[name]]]
+    try:
+        return _configuration(with_changes(DEFAULT_READING, ",".join(constants)))
+    except UserError as error:
+        raise UserError(f"{GRID.parent.name}/{GRID.name}: {error}") from None
+
+
+@cache
+def _configuration(reading: str) -> Configuration:
+    return load_configuration(BUDGET, reading=reading)
+
+
+def method_blocks(universe: Universe, method: str) -> list[Block]:
+    """The records of a method's runs under a reading."""
+    return [
+        block for block in blocks(configuration(universe, method)) if block.cell.method == method
+    ]
+
+
+def calls() -> list[str]:
+    """The arguments of the calls of snakemake that make all records, each once."""
+    wanted: dict[str, dict[Block, None]] = {}
+    for universe in universes():
+        for method in load_configuration(BUDGET).budget.methods:
+            records = wanted.setdefault(configuration(universe, method).reading, {})
+            records |= dict.fromkeys(method_blocks(universe, method))
+    return workflow_calls(BUDGET, wanted)
+
+
+if __name__ == "__main__":
+    try:
+        print(*calls(), sep="\n")
+    except UserError as error:
+        sys.exit(f"neol: {error}")
