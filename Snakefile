@@ -86,7 +86,7 @@ rule run:
         "python -m neol run {params.arguments} --workers {threads} --resume --keep-partial --quiet --output {output:q} > {log:q} 2>&1"
 
 
-# All other records are there as they should be: asked for, there is nothing to do.
+# A record that is there as it should be, named as a target: there is nothing to do.
 rule kept:
     output:
         "results/{record}.parquet",

@@ -1,5 +1,6 @@
 """What all rules share: the budget, its runs, and what each notebook makes."""
 
+import os
 import shlex
 import sys
 from glob import glob
@@ -68,7 +69,13 @@ def tidy():
 
 REASONS = {path: job.reason() for path, job in JOBS.items()}
 NEEDED = pattern(job.record for path, job in JOBS.items() if REASONS[path])
-KEPT = pattern(job.record for path, job in JOBS.items() if not REASONS[path])
+# Records that are as they should be are nobody's output, so `--delete-all-output` leaves them alone. Only where one is
+# itself a target of the command, Snakemake needs a rule for it.
+KEPT = pattern(
+    job.record
+    for path, job in JOBS.items()
+    if not REASONS[path] and path in map(os.path.normpath, sys.argv)
+)
 
 
 def job(wildcards):

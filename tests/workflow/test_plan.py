@@ -233,3 +233,24 @@ def test_what_is_not_of_what_is_shown_has_no_rule(clone: Path, arguments: list[s
     result = snakemake(clone, "--dry-run", *arguments)
     assert result.returncode != 0
     assert f"No rule to produce {arguments[0]}" in result.stdout
+
+
+def test_no_record_is_deleted_with_all_output(clone: Path) -> None:
+    records = sorted((clone / "results").rglob("*.parquet"))
+    page = clone / "figures" / "demo" / "report.html"
+    page.parent.mkdir(parents=True, exist_ok=True)
+    page.touch()
+    result = snakemake(clone, "all", "--config", "budget=demo", "--delete-all-output")
+    assert result.returncode == 0, result.stderr
+    assert not page.exists()
+    assert sorted((clone / "results").rglob("*.parquet")) == records
+
+
+def test_a_record_that_is_there_may_be_a_target(clone: Path) -> None:
+    record = next((clone / RESULTS / "first" / "demo").rglob("*.parquet"))
+    for options in ((), ("--forceall",)):
+        result = snakemake(
+            clone, *options, str(record.relative_to(clone)), "--config", "budget=demo", "--cores=1"
+        )
+        assert result.returncode == 0, result.stderr
+        assert record.exists()
