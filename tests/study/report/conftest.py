@@ -9,7 +9,7 @@ from neol.pictures.labels import TASK_LABELS
 from neol.study.claims.claims import decide, load_claims
 from neol.study.claims.ledger import write_ledger
 from neol.study.outcomes.campaign_runs import Campaign
-from neol.study.outcomes.effects import effects, selection
+from neol.study.outcomes.effects import effect_sizes, selection_bias
 from neol.study.outcomes.outcomes import gather
 from neol.study.outcomes.sensitivity import sensitivity
 from neol.study.output.sidecar import write_sidecar
@@ -38,8 +38,8 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
     ]
     write_ledger(folder, [decide(claim, outcomes) for claim in some], campaign)
     for name, table in {
-        "beyond_effects": effects(outcomes, campaign.configuration.budget),
-        "beyond_selection": selection(outcomes),
+        "beyond_effects": effect_sizes(outcomes, campaign.configuration.budget),
+        "beyond_selection": selection_bias(outcomes),
         "beyond_sensitivity": sensitivity(campaign.configuration, folder)[0],
     }.items():
         table.to_csv(folder / f"{name}.csv", index=False)
