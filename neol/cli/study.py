@@ -43,9 +43,9 @@ def compare(
 
     from neol.pictures.style import picture_kind, write_picture
     from neol.study.figures.side_by_side import (
-        differences,
+        differing_constants,
         learning_curves,
-        outcomes,
+        outcome_rows,
         read_compared,
     )
 
@@ -54,7 +54,7 @@ def compare(
         check_output(output)
     compared = read_compared(records)
     table = Table("", *(each.letter for each in compared), box=None, pad_edge=False)
-    for name, values in (differences(compared) | outcomes(compared)).items():
+    for name, values in (differing_constants(compared) | outcome_rows(compared)).items():
         table.add_row(name, *values)
     for each in compared:
         print(f"{each.letter}  {each.path}")

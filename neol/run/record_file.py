@@ -22,10 +22,11 @@ from neol.neat.genome import check_genome
 from neol.run.record import SCHEMA, Record, SeedInfo, column_values
 from neol.spec.readings import FIRST_READING
 from neol.spec.run_spec import RunSpec, canonical_json, complete
+from neol.spec.sources import by_dotted_key
 from neol.spec.types import Model
 
 SCHEMA_VERSION = 1
-MAX_BYTES = 2**28
+MAX_RECORD_BYTES = 2**28
 MAX_ROWS = 10_000_000
 
 
@@ -68,7 +69,7 @@ def read_record(path: Path, spec: RunSpec | None = None) -> Record:
 
     Raises UserError, one line with the file and the way out, for any other file.
     """
-    return parse_record(path, read_bounded(path, MAX_BYTES), spec)
+    return parse_record(path, read_bounded(path, MAX_RECORD_BYTES), spec)
 
 
 def parse_record(path: Path, content: bytes, spec: RunSpec | None = None) -> Record:
@@ -117,7 +118,13 @@ def read_footer(path: Path) -> RecordMetadata:
 
 def first_difference(stored: dict[str, Any], expected: RunSpec) -> str | None:
     """Where a stored specification differs from another (seeds aside); None where they agree."""
-    return _first_difference(complete(stored), complete(expected.without_seed()))
+    there, here = by_dotted_key(complete(stored)), by_dotted_key(complete(expected.without_seed()))
+    for key in sorted(there.keys() | here.keys()):
+        old = repr(there[key]) if key in there else "missing"
+        new = repr(here[key]) if key in here else "unknown"
+        if old != new:
+            return f"{key} is {old} there and {new} here"
+    return None
 
 
 def _stored_spec(path: Path, text: bytes) -> dict[str, Any]:
@@ -212,18 +219,3 @@ def _digest(text: bytes, table: pa.Table) -> str:
     for name in SCHEMA.names:
         digest.update(column_values(table, name).data)
     return digest.hexdigest()
-
-
-def _first_difference(
-    stored: dict[str, Any], expected: dict[str, Any], prefix: str = ""
-) -> str | None:
-    for key in sorted(stored.keys() | expected.keys()):
-        old, new = stored.get(key), expected.get(key)
-        if isinstance(old, dict) and isinstance(new, dict):
-            if difference := _first_difference(old, new, f"{prefix}{key}."):
-                return difference
-        elif (key in stored, repr(old)) != (key in expected, repr(new)):
-            there = repr(old) if key in stored else "missing"
-            here = repr(new) if key in expected else "unknown"
-            return f"{prefix}{key} is {there} there and {here} here"
-    return None

@@ -1,5 +1,6 @@
 """YAML files laid over each other, every value remembering where it came from."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,15 @@ from neol.spec.plain_yaml import parse_yaml, read_yaml
 
 DEEPEST = 10
 """Keys in a path of them; the configuration's are shorter."""
+
+
+def by_dotted_key(content: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested values in one dictionary, by paths of keys such as neat.elitism."""
+    flat = dict[str, Any]()
+    for key, value in content.items():
+        inner = isinstance(value, Mapping)
+        flat |= by_dotted_key(value, f"{prefix}{key}.") if inner else {f"{prefix}{key}": value}
+    return flat
 
 
 class Overlay:

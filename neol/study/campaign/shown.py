@@ -1,21 +1,19 @@
 """What tables and figures show: a budget under a reading, with all of its tasks or some."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from neol.base.errors import UserError, hint
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.spec.readings import FIRST_READING
+from neol.spec.sources import by_dotted_key
 
 DEFAULT_BUDGET = "desk"
 """Where none is named."""
 SHOWN_READING = FIRST_READING
 """Where none is named: that of the records that the repository has."""
-FIGURES = Path("figures")
-DOCS = Path("docs")
 
 
 def select(
@@ -73,13 +71,13 @@ def full_label(configuration: Configuration) -> str:
 def figures_folder(configuration: Configuration) -> Path:
     """Where its tables and figures are: figures/, or figures/paper-cartpole."""
     name = label(configuration)
-    return FIGURES if name == DEFAULT_BUDGET else FIGURES / name
+    return Path("figures", "" if name == DEFAULT_BUDGET else name)
 
 
 def results_page(configuration: Configuration) -> Path:
     """Where its results are told: docs/results.md, or docs/results-paper-cartpole.md."""
     name = label(configuration).replace("/", "-")
-    return DOCS / ("results.md" if name == DEFAULT_BUDGET else f"results-{name}.md")
+    return Path("docs") / ("results.md" if name == DEFAULT_BUDGET else f"results-{name}.md")
 
 
 def snakemake_options(configuration: Configuration) -> str:
@@ -92,24 +90,19 @@ def snakemake_options(configuration: Configuration) -> str:
     return " ".join(["--config", *(f"{name}={value}" for name, value in options.items())])
 
 
-def differences(configuration: Configuration) -> dict[str, tuple[str, str]]:
+def differs_from_default(configuration: Configuration) -> dict[str, tuple[str, str]]:
     """Its value and the default reading's of each constant in which they differ.
 
     By key, such as neat.elitism; budgets are left out, and what a budget sets.
     """
     here, default = (
-        _flat(each.model_dump(mode="json", exclude={"reading", "budget"}))
+        by_dotted_key(each.model_dump(mode="json", exclude={"reading", "budget"}))
         for each in (configuration, load_configuration(configuration.budget.name))
     )
-    return {key: (here[key], default[key]) for key in here if here[key] != default[key]}
+    return {
+        key: (_text(here[key]), _text(default[key])) for key in here if here[key] != default[key]
+    }
 
 
-def _flat(content: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """Nested constants by path of keys, as text."""
-    flat = dict[str, str]()
-    for key, value in content.items():
-        if isinstance(value, Mapping):
-            flat |= _flat(value, f"{prefix}{key}.")
-        else:
-            flat[prefix + key] = value if isinstance(value, str) else json.dumps(value)
-    return flat
+def _text(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value)

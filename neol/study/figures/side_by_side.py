@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +20,7 @@ from neol.run.record import Record, SeedInfo, join
 from neol.run.record_file import read_record
 from neol.spec.configuration import budgets, load_configuration
 from neol.spec.run_spec import RunSpec, complete
+from neol.spec.sources import by_dotted_key
 from neol.study.figures.plots import clip_to_runs, draw_curve
 from neol.study.outcomes.score import samples, score
 from neol.study.outcomes.statistics import mean_interval
@@ -66,14 +66,14 @@ def read_compared(paths: Sequence[Path]) -> list[Compared]:
     ]
 
 
-def differences(compared: Sequence[Compared]) -> dict[str, list[str]]:
+def differing_constants(compared: Sequence[Compared]) -> dict[str, list[str]]:
     """The constants that are not the same for all, each with its values."""
-    constants = [_flat(complete(each.spec.without_seed())) for each in compared]
+    constants = [by_dotted_key(complete(each.spec.without_seed())) for each in compared]
     values = {key: [str(each[key]) for each in constants] for key in constants[0]}
     return {key: each for key, each in values.items() if len(set(each)) > 1}
 
 
-def outcomes(compared: Sequence[Compared]) -> dict[str, list[str]]:
+def outcome_rows(compared: Sequence[Compared]) -> dict[str, list[str]]:
     """What the runs came to, each outcome with its mean over seeds and 95% interval.
 
     SCORE is there where all are runs of the same budget, which gives it its unit.
@@ -126,7 +126,7 @@ def _labels(compared: Sequence[Compared]) -> list[str]:
     labels = []
     for each in compared:
         alike = [other for other in compared if other.name == each.name]
-        values = {key: of[alike.index(each)] for key, of in differences(alike).items()}
+        values = {key: of[alike.index(each)] for key, of in differing_constants(alike).items()}
         constants = [f"{key} = {value}" for key, value in values.items()]
         labels.append("\n".join([f"{each.letter}: {each.name}", *constants]))
     return labels
@@ -144,16 +144,6 @@ def _read(path: Path) -> Record:
     if len(set(seeds)) < len(seeds):
         raise UserError(f"{path}: its records hold a seed twice; name them one by one")
     return join(records)
-
-
-def _flat(content: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Constants by their dotted keys."""
-    flat: dict[str, Any] = {}
-    for key, value in content.items():
-        flat |= (
-            _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {prefix + key: value}
-        )
-    return flat
 
 
 def _held_out(info: SeedInfo) -> float:

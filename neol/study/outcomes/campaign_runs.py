@@ -15,7 +15,7 @@ import pandas as pd
 from neol.base.errors import UserError
 from neol.base.files import read_bounded
 from neol.run.record import SCHEMA, Record
-from neol.run.record_file import MAX_BYTES, parse_record
+from neol.run.record_file import MAX_RECORD_BYTES, parse_record
 from neol.spec.configuration import Configuration
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.grid import RESULTS, Block, Cell, blocks, cells, run_specs
@@ -43,7 +43,7 @@ class Source:
         Both of the same bytes: another process may put another record there meanwhile.
         """
         path = results / below
-        content = read_bounded(path, MAX_BYTES)
+        content = read_bounded(path, MAX_RECORD_BYTES)
         record = parse_record(path, content, spec)
         source = cls(
             path=str(Path(results.resolve().name, below)),

@@ -6,7 +6,7 @@ from neol.pictures.labels import listed, task_label
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.study.campaign.grid import cells
-from neol.study.campaign.shown import chosen_tasks, differences, with_tasks
+from neol.study.campaign.shown import chosen_tasks, differs_from_default, with_tasks
 from neol.study.campaign.variants import BASELINE, trials
 from neol.study.outcomes.campaign_runs import Campaign
 
@@ -30,7 +30,7 @@ def describe_reading(configuration: Configuration) -> str:
     """The reading and each constant that differs from the default one's, in a sentence."""
     changed = ", ".join(
         f"{key} = {here} instead of {default}"
-        for key, (here, default) in differences(configuration).items()
+        for key, (here, default) in differs_from_default(configuration).items()
     )
     return f"Reading {configuration.reading}{f': {changed}' if changed else ''}."
 

@@ -14,7 +14,7 @@ from neol.run.provenance import checkout, describe_checkout
 from neol.spec.configuration import ROOT, Configuration
 from neol.spec.run_spec import canonical_json
 from neol.spec.types import Model
-from neol.study.campaign.shown import differences, snakemake_options
+from neol.study.campaign.shown import differs_from_default, snakemake_options
 from neol.study.outcomes.campaign_runs import Source
 
 MAX_BYTES = 2**27
@@ -79,7 +79,7 @@ def write_sidecar(
         dirty=dirty,
         budget=configuration.budget.name,
         reading=configuration.reading,
-        differs={key: here for key, (here, _) in differences(configuration).items()},
+        differs={key: here for key, (here, _) in differs_from_default(configuration).items()},
         configuration=hashlib.sha256(resolved).hexdigest(),
         records=tuple(sources),
     )

@@ -9,7 +9,7 @@ from neol.study.campaign.grid import Cell, paper_cells
 from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates, choose
-from neol.study.tables.table import Emphasis as Rank
+from neol.study.tables.table import Emphasis
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +20,7 @@ class Summary:
     learning_rate: float | None = None
     mean: float = math.nan
     sd: float = math.nan
-    rank: Rank = ""
+    rank: Emphasis = ""
     """Among the methods on the task."""
 
 
@@ -121,7 +121,7 @@ def mean_sd(values: Sequence[float]) -> tuple[float, float]:
     return mean, statistics.stdev(values) if len(values) > 1 else math.nan
 
 
-def ranks(means: Sequence[float]) -> list[Rank]:
+def ranks(means: Sequence[float]) -> list[Emphasis]:
     """The rank of each mean in a table's row; NaN is not ranked.
 
     Means are compared at full precision. All that equal the highest are best, all that equal the

@@ -15,7 +15,7 @@ import numpy as np
 from neol.base.errors import UserError
 from neol.base.files import read_bounded
 from neol.run.record import HeldOut, Record, SeedInfo
-from neol.run.record_file import MAX_BYTES, parse_record, records_below
+from neol.run.record_file import MAX_RECORD_BYTES, parse_record, records_below
 from neol.spec.observations import size_of
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.jobs import SENSITIVITY
@@ -105,7 +105,7 @@ class Verification:
     def _check(self, path: Path) -> Checked:
         shown = self._as_given(path)
         try:
-            content = read_bounded(path, MAX_BYTES)
+            content = read_bounded(path, MAX_RECORD_BYTES)
             record = parse_record(path, content)
         except UserError as error:
             return Checked(shown, (), (Problem(shown, str(error).removeprefix(f"{path}: ")),))

@@ -14,8 +14,7 @@ from pydantic_core import PydanticCustomError
 from neol.base.errors import UserError, one_line
 from neol.base.files import files_below, read_bounded, write_atomically
 from neol.run.record import Record, campaign_name
-from neol.run.record_file import MAX_BYTES as MAX_RECORD_BYTES
-from neol.run.record_file import first_difference, parse_record, records_below
+from neol.run.record_file import MAX_RECORD_BYTES, first_difference, parse_record, records_below
 from neol.spec.configuration import load_configuration
 from neol.spec.readings import FIRST_READING
 from neol.spec.types import Model

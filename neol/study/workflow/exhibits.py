@@ -19,7 +19,7 @@ from neol.study.outcomes.chosen_cells import candidates
 Target = Literal["tables", "figures", "claims", "beyond"]
 GRID = "grid"
 """The records of all cells."""
-STUDY = "sensitivity study"
+TRIALS = "sensitivity study"
 """The records of the sensitivity study."""
 
 
@@ -48,7 +48,7 @@ class Exhibit:
     notebook: str
     """Stem of the notebook that makes it."""
     reads: str
-    """Which records: the candidates of a setting in `outcomes.chosen_cells`, `GRID` or `STUDY`."""
+    """Which records: the candidates of a setting in `outcomes.chosen_cells`, `GRID` or `TRIALS`."""
     caption: str
     files: str | None = None
     """What else it reads: a file of the repository, or a pattern of such."""
@@ -116,7 +116,7 @@ EXHIBITS = (
     Exhibit("beyond_selection", BEYOND, "beyond", reads=GRID,
         caption="Selection bias: the champion's training maximum beside its mean return in "
         "fresh episodes."),
-    Exhibit("beyond_sensitivity", BEYOND, "beyond", reads=STUDY, files="config/sensitivity/*.yaml",
+    Exhibit("beyond_sensitivity", BEYOND, "beyond", reads=TRIALS, files="config/sensitivity/*.yaml",
         caption="Sensitivity: what some of the constants that the paper leaves open do to the "
         "champion's held-out return."),
 )
@@ -142,7 +142,7 @@ def by_notebook(exhibits: Iterable[Exhibit]) -> dict[str, list[Exhibit]]:
 
 def records(configuration: Configuration, reads: str) -> list[Path]:
     """The records that an exhibit of a budget reads, below the results folder."""
-    if reads == STUDY:
+    if reads == TRIALS:
         return [trial.record for name in variants() for trial in trials(configuration, name)]
     if reads == GRID:
         return [block.record for block in blocks(configuration)]

@@ -10,7 +10,7 @@ from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
     SHOWN_READING,
     chosen_tasks,
-    differences,
+    differs_from_default,
     figures_folder,
     folder,
     full_label,
@@ -50,14 +50,14 @@ def test_another_reading_has_folders_of_its_own() -> None:
 
 
 def test_what_differs_from_the_default_reading() -> None:
-    assert differences(select("smoke", reading="default")) == {}
+    assert differs_from_default(select("smoke", reading="default")) == {}
     first = {
         "plasticity.reward_scale": ("0.01", "1.0"),
         "neat.crossover_enabled": ("redraw_if_disabled", "random_parent"),
     }
-    assert differences(select("smoke", "cartpole", "first")) == first
+    assert differs_from_default(select("smoke", "cartpole", "first")) == first
     more = select("smoke", reading="first+methods.neat.weight_mutation=0.1")
-    assert differences(more) == first | {"methods.neat.weight_mutation": ("0.1", "config")}
+    assert differs_from_default(more) == first | {"methods.neat.weight_mutation": ("0.1", "config")}
 
 
 def test_only_tasks_differ() -> None:

@@ -10,7 +10,12 @@ from neol.base.errors import UserError
 from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import cells
-from neol.study.figures.side_by_side import differences, learning_curves, outcomes, read_compared
+from neol.study.figures.side_by_side import (
+    differing_constants,
+    learning_curves,
+    outcome_rows,
+    read_compared,
+)
 from neol.study.outcomes.score import samples, score
 from tests.helpers.made_up import configuration, run, write_campaign
 
@@ -36,7 +41,7 @@ def paths(tmp_path: Path) -> list[Path]:
 
 
 def test_outcomes_are_means_over_seeds_with_intervals(paths: list[Path]) -> None:
-    rows = outcomes(read_compared(paths))
+    rows = outcome_rows(read_compared(paths))
     assert rows["runs"] == ["3", "3"]
     low, high = stats.t.interval(0.95, 2, loc=30.0, scale=stats.sem(FINAL["bcm"]))
     assert rows["final best fitness"][0] == f"30.0 [{low:.1f}, {high:.1f}]"
@@ -44,22 +49,24 @@ def test_outcomes_are_means_over_seeds_with_intervals(paths: list[Path]) -> None
 
 
 def test_score_is_that_of_the_budget(paths: list[Path], tmp_path: Path) -> None:
-    assert "SCORE" not in outcomes(read_compared(paths)), "not as many generations as the budget"
+    assert "SCORE" not in outcome_rows(read_compared(paths)), (
+        "not as many generations as the budget"
+    )
     budget = load_configuration("smoke").budget
     generations = budget.generations_of("cartpole")
     whole = read_compared(written(tmp_path / "whole", generations))
     divisor = samples(generations, max(budget.populations))
     scores = [score([end + 2, end + 1, end], 6, divisor) for end in FINAL["neat"]]
-    assert outcomes(whole)["SCORE"][1].startswith(f"{np.mean(scores):.3f} [")
+    assert outcome_rows(whole)["SCORE"][1].startswith(f"{np.mean(scores):.3f} [")
 
 
 def test_only_what_differs_is_named(paths: list[Path]) -> None:
-    found = differences(read_compared(paths))
+    found = differing_constants(read_compared(paths))
     assert found["method"] == ["bcm", "neat"]
     assert set(found) == {
         "method", "plasticity.rule", "plasticity.learning_rate", "neat.weight_mutation"
     }  # fmt: skip
-    assert differences(read_compared([paths[0], paths[0]])) == {}
+    assert differing_constants(read_compared([paths[0], paths[0]])) == {}
 
 
 def test_curves_are_means_over_seeds(paths: list[Path]) -> None:

@@ -10,7 +10,7 @@ from neol.study.campaign.grid import RESULTS, blocks
 from neol.study.campaign.jobs import jobs
 from neol.study.campaign.shown import select
 from neol.study.figures.paper_figures import HEATMAPS
-from neol.study.workflow.exhibits import EXHIBITS, GRID, STUDY, Exhibit, exhibits, records
+from neol.study.workflow.exhibits import EXHIBITS, GRID, TRIALS, Exhibit, exhibits, records
 
 INDEX = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
 
@@ -57,8 +57,8 @@ def test_which_records_are_read() -> None:
     demo = load_configuration("demo")
     every = {job.record.relative_to(RESULTS) for job in jobs(demo)}
     methods = {block.record: block.cell.method for block in blocks(demo)}
-    read = {reads: set(records(demo, reads)) for reads in (GRID, STUDY, "table3", "table4")}
+    read = {reads: set(records(demo, reads)) for reads in (GRID, TRIALS, "table3", "table4")}
     assert read[GRID] == methods.keys()
-    assert read[STUDY] == every - methods.keys()
+    assert read[TRIALS] == every - methods.keys()
     assert {methods[path] for path in read["table3"]} == {"bcm", "hebb", "oja", "neat"}
     assert {methods[path] for path in read["table4"]} == {"bcm", "hebb", "oja", "neat_wo"}
