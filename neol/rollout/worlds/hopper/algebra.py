@@ -5,13 +5,8 @@ Of a symmetric or triangular matrix only the lower triangle is read.
 
 import math
 
-import numpy.typing as npt
-from numpy import float64
-
 from neol.base.kernel import loop_kernel
-from neol.rollout.worlds.hopper.model import DOFS, LEAST
-
-Array = npt.NDArray[float64]
+from neol.rollout.worlds.hopper.model import DOFS, LEAST, Array
 
 
 @loop_kernel

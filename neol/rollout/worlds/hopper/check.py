@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from neol.base.errors import NOTICE
-from neol.rollout.worlds.hopper.model import DOFS, LIMITED, WORK, Record, hopper_of, load_model
+from neol.rollout.worlds.hopper.model import DOFS, LIMITED, WORK, Struct, hopper_of, load_model
 from neol.rollout.worlds.hopper.runge_kutta import step
 
 STEPS = 4
@@ -16,7 +16,7 @@ STATES = ([-1.0, 0.0, -1.0, -1.3, -1.3, -1.0], [1.0, 1.4, 1.0, 0.2, 0.2, 1.0])
 """Least and greatest positions from which steps are compared: in the air, standing, lying."""
 
 
-def has_same_bits(model: mujoco.MjModel, hopper: Record) -> bool:
+def has_same_bits(model: mujoco.MjModel, hopper: Struct) -> bool:
     """Whether our own steps with these numbers are the model's, from 100 random states.
 
     In every other one each joint is about at one of its limits, where these are softest.

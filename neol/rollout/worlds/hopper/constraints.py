@@ -4,14 +4,14 @@ import math
 
 from neol.base.kernel import kernel, loop_kernel
 from neol.rollout.worlds.hopper.algebra import dot_row
-from neol.rollout.worlds.hopper.model import BODIES, DOFS, LEAST, LIMITED, Record
+from neol.rollout.worlds.hopper.model import BODIES, DOFS, LEAST, LIMITED, Struct
 
 APART = 0.01
 """Parts whose spheres are no further apart may touch, with room for margins and rounding."""
 
 
 @kernel
-def constrain(hopper: Record, work: Record) -> int:
+def constrain(hopper: Struct, work: Struct) -> int:
     """Write a row for each constraint: their number, or -1 where parts of the hopper may touch."""
     if may_touch(hopper, work, 0, 2) or may_touch(hopper, work, 0, 3):
         return -1
@@ -29,7 +29,7 @@ def constrain(hopper: Record, work: Record) -> int:
 
 
 @loop_kernel
-def may_touch(hopper: Record, work: Record, one: int, other: int) -> bool:
+def may_touch(hopper: Struct, work: Struct, one: int, other: int) -> bool:
     """Whether the spheres around two bodies meet; those of a body and its parent never collide."""
     x = work.pose[one, 0] - work.pose[other, 0]
     z = work.pose[one, 1] - work.pose[other, 1]
@@ -38,7 +38,7 @@ def may_touch(hopper: Record, work: Record, one: int, other: int) -> bool:
 
 
 @loop_kernel
-def limit(hopper: Record, work: Record, joint: int, side: int, row: int) -> int:
+def limit(hopper: Struct, work: Struct, joint: int, side: int, row: int) -> int:
     """Add a joint's lower or upper limit if it is passed: the number of rows.
 
     (mj_instantiateLimit, mj_makeImpedance, mj_referenceConstraint)
@@ -61,7 +61,7 @@ def limit(hopper: Record, work: Record, joint: int, side: int, row: int) -> int:
 
 
 @loop_kernel
-def impede(hopper: Record, distance: float) -> float:
+def impede(hopper: Struct, distance: float) -> float:
     """How hard a limit is at a distance (getimpedance): a parabola up, and one down to flat."""
     least, greatest = hopper.limit_impedance[0], hopper.limit_impedance[1]
     width, midpoint = hopper.limit_impedance[2], hopper.limit_impedance[3]
@@ -76,7 +76,7 @@ def impede(hopper: Record, distance: float) -> float:
 
 
 @loop_kernel
-def touch(hopper: Record, work: Record, body: int, side: int, row: int) -> int:
+def touch(hopper: Struct, work: Struct, body: int, side: int, row: int) -> int:
     """Add the contact of an end of a body with the floor, if there is one: the number of rows.
 
     (mjc_PlaneCapsule, mju_makeFrame, mj_instantiateContact, mj_referenceConstraint)

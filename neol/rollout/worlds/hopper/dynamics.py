@@ -2,18 +2,13 @@
 
 import math
 
-import numpy.typing as npt
-from numpy import float64
-
 from neol.base.kernel import kernel, loop_kernel
 from neol.rollout.worlds.hopper.algebra import factorise, solve
-from neol.rollout.worlds.hopper.model import BODIES, DOFS, LEAST, Record
-
-Array = npt.NDArray[float64]
+from neol.rollout.worlds.hopper.model import BODIES, DOFS, LEAST, Array, Struct
 
 
 @kernel
-def accelerate_smoothly(hopper: Record, work: Record) -> None:
+def accelerate_smoothly(hopper: Struct, work: Struct) -> None:
     """From position, velocity and torque all that constraints need, and `smooth_acceleration`."""
     place(hopper, work)
     weigh(hopper, work)
@@ -25,7 +20,7 @@ def accelerate_smoothly(hopper: Record, work: Record) -> None:
 
 
 @loop_kernel
-def place(hopper: Record, work: Record) -> None:
+def place(hopper: Struct, work: Struct) -> None:
     """Pose each body in turn (mj_kinematics); an axis still holds its hinge's place."""
     x = z = 0.0
     w, y = 1.0, 0.0
@@ -76,7 +71,7 @@ def turn(x: float, z: float, w: float, y: float) -> tuple[float, float]:
 
 
 @loop_kernel
-def weigh(hopper: Record, work: Record) -> None:
+def weigh(hopper: Struct, work: Struct) -> None:
     """Inertia of the bodies and of the degrees of freedom (mj_comPos, mj_crb)."""
     pose, axis = work.pose, work.axis
     centre_x = centre_z = 0.0
@@ -131,7 +126,7 @@ def momentum(
 
 
 @loop_kernel
-def push(hopper: Record, work: Record) -> None:
+def push(hopper: Struct, work: Struct) -> None:
     """The forces but those of constraints (mj_comVel, mj_rne, mj_passive, mj_fwdAcceleration)."""
     axis, force, velocity = work.axis, work.spatial_force, work.velocity
     turning, x, z = 0.0, velocity[0], velocity[1]

@@ -21,11 +21,9 @@ from neol.base.kernel import loop_kernel
 from neol.random.pcg64 import State, uniform
 from neol.rollout.episodes import Batch, Slots, play_batch
 from neol.rollout.worlds.hopper.check import own_step
-from neol.rollout.worlds.hopper.model import WORK, Record, hopper_of, load_model
+from neol.rollout.worlds.hopper.model import WORK, Array, Struct, hopper_of, load_model
 from neol.rollout.worlds.hopper.runge_kutta import step
 from neol.spec.constants import Task
-
-Array = npt.NDArray[np.float64]
 
 TELLS_ADDRESSES = all(hasattr(kind, "_address") for kind in (mujoco.MjModel, mujoco.MjData))
 """Whether MuJoCo's bindings say where its structs lie.
@@ -60,8 +58,8 @@ class World(NamedTuple):
     """float64[6]: the acceleration that the next step's solver starts from."""
     own_step: bool
     """Whether our own step has MuJoCo's bits."""
-    hopper: Record
-    work: Record
+    hopper: Struct
+    work: Struct
 
     @loop_kernel
     def reset(self, slot: int, random: State, observation: Array) -> None:

@@ -2,14 +2,14 @@
 
 from neol.base.kernel import kernel, loop_kernel
 from neol.rollout.worlds.hopper.algebra import dot, dot_row, multiply, norm
-from neol.rollout.worlds.hopper.model import LEAST, Record
+from neol.rollout.worlds.hopper.model import LEAST, Struct
 
 Point = tuple[float, float, float, float]
 """Of a line search: step, cost above that of no step, its slope and its curvature."""
 
 
 @kernel
-def search_line(hopper: Record, work: Record, rows: int, scale: float) -> tuple[float, float]:
+def search_line(hopper: Struct, work: Struct, rows: int, scale: float) -> tuple[float, float]:
     """Find the step along `search` with the least cost: it, and what it gains (PrimalSearch)."""
     length = norm(work.search)
     if length < LEAST:
@@ -61,7 +61,7 @@ def search_line(hopper: Record, work: Record, rows: int, scale: float) -> tuple[
 
 
 @loop_kernel
-def prepare(work: Record, rows: int) -> None:
+def prepare(work: Struct, rows: int) -> None:
     """Write the cost along `search` as parabolas, one for each row (PrimalPrepare)."""
     multiply(work.inertia, work.search, work.search_momentum)
     slope = dot(work.search, work.momentum) - dot(work.smooth_force, work.search)
@@ -76,7 +76,7 @@ def prepare(work: Record, rows: int) -> None:
 
 
 @kernel
-def evaluate(work: Record, rows: int, step: float) -> Point:
+def evaluate(work: Struct, rows: int, step: float) -> Point:
     """Cost, slope and curvature after a step along `search` (PrimalEval)."""
     cost = constant = 0.0
     linear, square = work.gauss[0], work.gauss[1]

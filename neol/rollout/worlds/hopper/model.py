@@ -12,8 +12,10 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
-Record = Any
+Array = npt.NDArray[np.float64]
+Struct = Any
 """A record of `HOPPER` or `WORK`."""
 
 BODIES, DOFS, LIMITED = 4, 6, 3
@@ -109,7 +111,7 @@ WORK = _record(
 )
 
 
-def hopper_of(model: mujoco.MjModel) -> Record:
+def hopper_of(model: mujoco.MjModel) -> Struct:
     """A record of `HOPPER`, from MuJoCo's model."""
     body, plane, hinge = slice(1, 5), [0, 2], slice(3, 6)
     hopper = np.zeros((), HOPPER)

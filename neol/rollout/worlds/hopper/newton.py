@@ -6,9 +6,6 @@ and 0.5 * weight * residual^2 of each row that is active, that is whose residual
 
 import math
 
-import numpy.typing as npt
-from numpy import float64
-
 from neol.base.kernel import kernel, loop_kernel
 from neol.rollout.worlds.hopper.algebra import (
     dot,
@@ -21,13 +18,11 @@ from neol.rollout.worlds.hopper.algebra import (
     update_cholesky,
 )
 from neol.rollout.worlds.hopper.line_search import search_line
-from neol.rollout.worlds.hopper.model import DOFS, Record
-
-Array = npt.NDArray[float64]
+from neol.rollout.worlds.hopper.model import DOFS, Array, Struct
 
 
 @kernel
-def accelerate(hopper: Record, work: Record, rows: int, warm_start: Array) -> bool:
+def accelerate(hopper: Struct, work: Struct, rows: int, warm_start: Array) -> bool:
     """Find the `acceleration`: whether the Hessian stayed definite (mj_fwdConstraint)."""
     begin(work, rows, warm_start)
     trace = 0.0
@@ -75,7 +70,7 @@ def accelerate(hopper: Record, work: Record, rows: int, warm_start: Array) -> bo
 
 
 @loop_kernel
-def begin(work: Record, rows: int, warm_start: Array) -> None:
+def begin(work: Struct, rows: int, warm_start: Array) -> None:
     """Start from the last step's acceleration, or from the one without constraints if better."""
     multiply(work.inertia, warm_start, work.momentum)
     cost = cost_of(work, rows, warm_start)
@@ -92,12 +87,12 @@ def begin(work: Record, rows: int, warm_start: Array) -> None:
 
 
 @loop_kernel
-def residual(work: Record, row: int, acceleration: Array) -> float:
+def residual(work: Struct, row: int, acceleration: Array) -> float:
     return dot_row(work.jacobian, row, acceleration) - float(work.reference[row])
 
 
 @loop_kernel
-def cost_of(work: Record, rows: int, acceleration: Array) -> float:
+def cost_of(work: Struct, rows: int, acceleration: Array) -> float:
     """What an acceleration costs in constraints."""
     cost = 0.0
     for row in range(rows):
@@ -108,7 +103,7 @@ def cost_of(work: Record, rows: int, acceleration: Array) -> float:
 
 
 @loop_kernel
-def activate(work: Record, rows: int) -> None:
+def activate(work: Struct, rows: int) -> None:
     """Which rows are active, and their force on the degrees of freedom (PrimalUpdateConstraint)."""
     for i in range(DOFS):
         work.constraint_force[i] = 0.0
@@ -122,20 +117,20 @@ def activate(work: Record, rows: int) -> None:
 
 
 @loop_kernel
-def differentiate(work: Record) -> None:
+def differentiate(work: Struct) -> None:
     """Write the cost's gradient (PrimalUpdateGrad)."""
     for i in range(DOFS):
         work.gradient[i] = work.momentum[i] - work.smooth_force[i] - work.constraint_force[i]
 
 
 @loop_kernel
-def decrement(work: Record, scale: float) -> float:
+def decrement(work: Struct, scale: float) -> float:
     """What the next step is expected to gain."""
     return max(0.0, 0.5 * scale * dot(work.gradient, work.newton_step))
 
 
 @kernel
-def make_hessian(work: Record, rows: int) -> bool:
+def make_hessian(work: Struct, rows: int) -> bool:
     """Write the Hessian's Cholesky factor; whether it is definite (MakeHessian)."""
     hessian = work.hessian
     for i in range(DOFS):
@@ -154,7 +149,7 @@ def make_hessian(work: Record, rows: int) -> bool:
 
 
 @loop_kernel
-def update_hessian(work: Record, rows: int) -> bool:
+def update_hessian(work: Struct, rows: int) -> bool:
     """Add rows that became active, subtract those that no longer are (HessianIncremental)."""
     for row in range(rows):
         if work.active[row] != work.was_active[row]:

@@ -1,15 +1,10 @@
 """One step of the hopper."""
 
-import numpy.typing as npt
-from numpy import float64
-
 from neol.base.kernel import kernel, loop_kernel
 from neol.rollout.worlds.hopper.constraints import constrain
 from neol.rollout.worlds.hopper.dynamics import accelerate_smoothly
-from neol.rollout.worlds.hopper.model import DOFS, LIMITED, Record
+from neol.rollout.worlds.hopper.model import DOFS, LIMITED, Array, Struct
 from neol.rollout.worlds.hopper.newton import accelerate
-
-Array = npt.NDArray[float64]
 
 GREATEST = 1e10
 """mjMAXVAL: beyond it MuJoCo begins anew."""
@@ -17,8 +12,8 @@ GREATEST = 1e10
 
 @kernel
 def step(
-    hopper: Record,
-    work: Record,
+    hopper: Struct,
+    work: Struct,
     position: Array,
     velocity: Array,
     control: Array,
@@ -68,7 +63,7 @@ def is_usual(x: Array) -> bool:
 
 
 @kernel
-def forward(hopper: Record, work: Record, warm_start: Array) -> bool:
+def forward(hopper: Struct, work: Struct, warm_start: Array) -> bool:
     """Find the acceleration of a state; whether that succeeded (mj_forward)."""
     accelerate_smoothly(hopper, work)
     rows = constrain(hopper, work)
