@@ -38,7 +38,7 @@ def axis_label(column: str) -> str:
     return f"{name} ({unit})" if unit and unit != column else name
 
 
-def settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
+def run_settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
     """Each budget, population and learning rate that there are runs of, by what a list calls it."""
     columns = ["budget", "population", "learning_rate"]
     rows = runs[~runs["sensitivity"]].dropna(subset=columns)[columns].drop_duplicates()
@@ -48,7 +48,7 @@ def settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
     }
 
 
-def learning_curves(
+def draw_learning_curves(
     results: Path,
     runs: pd.DataFrame,
     *,
@@ -119,7 +119,7 @@ def switched_off(player: Player, *, step: int, episodes: int) -> Figure:
     return figure
 
 
-def outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, by: str) -> Figure:
+def draw_outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, by: str) -> Figure:
     """An outcome of a budget's runs of a task, grouped by one of their columns: each, and means.
 
     Runs of other budgets are of another length, or the same runs once more.

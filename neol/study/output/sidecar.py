@@ -51,7 +51,7 @@ class Sidecar(Model):
         return describe_checkout(self.commit, self.dirty, digits)
 
     @property
-    def runs(self) -> int:
+    def run_count(self) -> int:
         """How many are behind the outputs."""
         return sum(len(record.runs) for record in self.records)
 
@@ -111,7 +111,7 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
     changed = ", ".join(f"{key}={value}" for key, value in sidecar.differs.items())
     yield f"reading  {sidecar.reading}{f' ({changed})' if changed else ''}"
     yield f"budget   {sidecar.budget}, configuration {sidecar.configuration[:16]}"
-    yield f"records  {len(sidecar.records)}, of {sidecar.runs} runs"
+    yield f"records  {len(sidecar.records)}, of {sidecar.run_count} runs"
     for record in sidecar.records:
         yield ""
         yield f"{record.path}{_state(root / record.path, record.sha256)}"

@@ -11,7 +11,7 @@ from neol.base.errors import UserError
 from neol.run.catalogue import table_of_runs
 from neol.run.runner import run_block
 from neol.study.explore.panel import load_player
-from neol.study.explore.pictures import learning_curves, outcomes, switched_off
+from neol.study.explore.pictures import draw_learning_curves, draw_outcomes, switched_off
 from neol.study.outcomes.statistics import mean_interval
 from tests.helpers.made_up import configuration, write_campaign
 from tests.helpers.runs import run_spec
@@ -41,7 +41,7 @@ def lines(axis: Axes) -> dict[str, tuple[list[float], list[float]]]:
 
 
 def test_curves_are_means_over_seeds(results: Path, runs: pd.DataFrame) -> None:
-    figure = learning_curves(
+    figure = draw_learning_curves(
         results, runs, task="cartpole", setting=SETTING, column="best_fitness", against="generation"
     )
     drawn = lines(figure.axes[0])
@@ -52,7 +52,7 @@ def test_curves_are_means_over_seeds(results: Path, runs: pd.DataFrame) -> None:
 
 
 def test_curves_against_cost(results: Path, runs: pd.DataFrame) -> None:
-    figure = learning_curves(
+    figure = draw_learning_curves(
         results, runs, task="cartpole", setting=SETTING, column="species", against="evaluations"
     )
     assert lines(figure.axes[0])["Oja, 3 seeds"][0] == [6, 12]
@@ -62,7 +62,7 @@ def test_curves_against_cost(results: Path, runs: pd.DataFrame) -> None:
 
 def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFrame) -> None:
     with pytest.raises(UserError, match="budget first/smoke has no runs of hopper with P = 6"):
-        learning_curves(
+        draw_learning_curves(
             results, runs, task="hopper", setting=SETTING, column="species", against="evaluations"
         )
 
@@ -70,7 +70,7 @@ def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFra
 def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
     again = pd.concat([runs, runs.assign(budget="demo")])
     shown = {"budget": "first/smoke", "outcome": "held_out"}
-    axis = outcomes(again, task="cartpole", by="learning_rate", **shown).axes[0]
+    axis = draw_outcomes(again, task="cartpole", by="learning_rate", **shown).axes[0]
     here = runs[runs["learning_rate"] == 0.25]["held_out"]
     drawn = [line.get_ydata() for line in axis.get_lines()]
     assert list(drawn[2]) == here.tolist()
@@ -82,7 +82,7 @@ def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
     with pytest.raises(
         UserError, match="first/smoke has no run of hopper with method and held_out"
     ):
-        outcomes(runs, task="hopper", by="method", **shown)
+        draw_outcomes(runs, task="hopper", by="method", **shown)
 
 
 def test_plasticity_switched_off_in_mid_episode(tmp_path: Path) -> None:
