@@ -9,6 +9,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from neol.base.ending import BROKEN_PIPE, USER_ERROR, complain, discard_output
 from neol.base.errors import INTERRUPTED, UserError
 
 COMMANDS = {
@@ -58,8 +59,8 @@ class Commands(TyperGroup):
             complain(INTERRUPTED)
             raise typer.Exit(130) from None
         except BrokenPipeError:
-            _print_no_more()
-            raise typer.Exit(141) from None
+            discard_output()
+            raise typer.Exit(BROKEN_PIPE) from None
         return result
 
     def main(self, *args: Any, **extra: Any) -> NoReturn:
@@ -69,10 +70,10 @@ class Commands(TyperGroup):
             status = super().main(*args, **extra)
         except UserError as error:
             complain(str(error))
-            status = 2
+            status = USER_ERROR
         except OSError as error:
             complain(str(_told(error)))
-            status = 2
+            status = USER_ERROR
         except typer.TyperException as error:
             message = " ".join(error.format_message().split())
             context = getattr(error, "ctx", None)
@@ -87,15 +88,10 @@ def _told(error: OSError) -> UserError:
     place = error.filename
     if place is None and error.errno in NO_ROOM:
         place = "standard output"
-        _print_no_more()
+        discard_output()
     if place is None:
         raise error
     return UserError(f"{place}: {error.strerror}; mend that or choose another place")
-
-
-def _print_no_more() -> None:
-    """Let nothing that is left at exit be written: that would fail again."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 app = typer.Typer(
@@ -172,11 +168,6 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Any other constant; may be repeated."),
 ]
-
-
-def complain(line: str) -> None:
-    """Say on the console what is wrong, in one line."""
-    print(f"neol: {line}", file=sys.stderr)
 
 
 def check_output(output: Path) -> None:

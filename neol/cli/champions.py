@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from neol.base.ending import complain
 from neol.base.errors import UserError
-from neol.cli.application import DISAGREES, app, check_output, complain, examples
+from neol.cli.application import DISAGREES, app, check_output, examples
 from neol.network.rules import find_rule
 
 if TYPE_CHECKING:

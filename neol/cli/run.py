@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from neol.base.ending import complain
 from neol.base.errors import INTERRUPTED, TERMINATED, UserError
 from neol.cli.application import (
     BudgetOption,
     Overrides,
     ReadingOption,
     app,
-    complain,
     examples,
     one_reading,
 )

@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
+from neol.base.ending import complain
 from neol.base.errors import UserError
-from neol.cli.application import app, complain, examples
+from neol.cli.application import app, examples
 
 WATCH_SECONDS = 2.0
 PIPED_WIDTH = 200

@@ -6,11 +6,11 @@ of one call of snakemake for each set of constants.
 
 import itertools
 import json
-import sys
 from functools import cache
 
 from pydantic import TypeAdapter, ValidationError
 
+from neol.base.ending import exit_codes
 from neol.base.errors import UserError, one_line
 from neol.spec.configuration import CONFIG, Configuration, load_configuration
 from neol.spec.readings import DEFAULT_READING, with_changes
@@ -88,7 +88,5 @@ def calls() -> list[str]:
 
 
 if __name__ == "__main__":
-    try:
+    with exit_codes():
         print(*calls(), sep="\n")
-    except UserError as error:
-        sys.exit(f"neol: {error}")

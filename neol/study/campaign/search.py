@@ -4,12 +4,13 @@ docs/readings-plan.md is its plan. `python -m neol.study.campaign.search search`
 arguments of one call of snakemake for each reading, `... confirmation READING` those of some.
 """
 
+import argparse
 import json
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 
 from pydantic import TypeAdapter, ValidationError
 
+from neol.base.ending import exit_codes
 from neol.base.errors import UserError, hint, one_line
 from neol.network.rules import WITHOUT_RULE
 from neol.spec.configuration import CONFIG, load_configuration
@@ -87,7 +88,9 @@ def workflow_calls(budget: str, wanted: Mapping[str, Iterable[Block]]) -> list[s
 
 
 if __name__ == "__main__":
-    try:
-        print(*calls(sys.argv[1], sys.argv[2:] or list(candidates())), sep="\n")
-    except UserError as error:
-        sys.exit(f"neol: {error}")
+    parser = argparse.ArgumentParser(prog="python -m neol.study.campaign.search")
+    parser.add_argument("budget", choices=(SCREENING, CONFIRMATION))
+    parser.add_argument("readings", nargs="*", help="candidates; all by default")
+    arguments = parser.parse_args()
+    with exit_codes():
+        print(*calls(arguments.budget, arguments.readings or list(candidates())), sep="\n")

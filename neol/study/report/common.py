@@ -3,13 +3,13 @@
 import argparse
 import hashlib
 import io
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import jinja2
 import pandas as pd
 
+from neol.base.ending import exit_codes
 from neol.base.errors import UserError
 from neol.base.files import read_bounded
 from neol.study.campaign.grid import RESULTS
@@ -31,13 +31,10 @@ def command_line(module: str, purpose: str | None, work: Callable[..., None], **
     for name, meaning in paths.items():
         parser.add_argument(name, type=Path, help=meaning)
     arguments = vars(parser.parse_args())
-    try:
+    with exit_codes():
         chosen = (arguments.pop(name) for name in ("budget", "tasks", "reading"))
         configuration = select(*chosen)
         work(Campaign(configuration, RESULTS), **arguments)
-    except UserError as error:
-        print(f"neol: {error}", file=sys.stderr)
-        sys.exit(2)
 
 
 def read(path: Path) -> bytes:

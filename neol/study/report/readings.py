@@ -5,11 +5,11 @@ arguments of calls of snakemake.
 """
 
 import argparse
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from neol.base.ending import exit_codes
 from neol.base.errors import UserError
 from neol.base.files import write_atomically
 from neol.pictures.labels import method_label
@@ -148,11 +148,8 @@ if __name__ == "__main__":
     parser.add_argument("output", type=Path, nargs="?", default=Path("docs/readings.md"))
     parser.add_argument("--confirm", action="store_true", help="print what is to be confirmed")
     arguments = parser.parse_args()
-    try:
+    with exit_codes():
         if arguments.confirm:
             print(*confirmation_calls(), sep="\n")
         else:
             write_page(arguments.output)
-    except UserError as error:
-        print(f"neol: {error}", file=sys.stderr)
-        sys.exit(2)
