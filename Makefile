@@ -28,7 +28,7 @@ help:
 	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
 	@echo 'make agreement            our NEAT beside neat-python 0.92; a quarter of an hour, writes docs/neat-python.csv'
 	@echo 'make environment          only set up $(VENV)'
-	@echo 'make lock                 resolve pyproject.toml into environment.lock anew'
+	@echo 'make lock                 add to environment.lock what pyproject.toml needs; UPGRADE=1 renews all of it'
 	@echo 'make clean                remove $(VENV) and all caches; results/ and figures/ stay'
 	@echo 'PYTHON=python3.12 chooses the Python of $(VENV).'
 
@@ -101,10 +101,11 @@ $(READY): $(ENVIRONMENT) pyproject.toml $(CORE)
 	@touch $@
 
 # uv resolves for every supported Python and system at once; connection-pool and rliable have no wheels.
+# What environment.lock pins stays pinned, unless UPGRADE=1 asks for the newest of everything.
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
-	.venv-lock/bin/pip install --quiet --disable-pip-version-check uv
-	.venv-lock/bin/uv pip compile pyproject.toml --upgrade --all-extras --universal --no-emit-index-url --no-annotate \
+	.venv-lock/bin/pip install --quiet --disable-pip-version-check uv==0.13.9
+	.venv-lock/bin/uv pip compile pyproject.toml $(if $(UPGRADE),--upgrade) --all-extras --universal --no-emit-index-url --no-annotate \
 	    --generate-hashes --only-binary :all: --no-binary connection-pool --no-binary rliable \
 	    --custom-compile-command 'make lock' --quiet --output-file environment.lock
 	rm -rf .venv-lock
