@@ -42,7 +42,7 @@ docs: $(READY)
 	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
 
 lab: $(READY)
-	$(RUN) jupyter lab --LabApp.default_url=/lab/tree/notebooks/explore.ipynb \
+	$(RUN) JUPYTER_PATH="$$PWD/$(VENV)/share/jupyter" jupyter lab --LabApp.default_url=/lab/tree/notebooks/explore.ipynb \
 	    --FileContentsManager.pre_save_hook=neol.study.explore.saving.without_outputs
 
 lint: $(READY)

@@ -7,6 +7,7 @@ from glob import glob
 from pathlib import Path
 
 from neol.base.errors import UserError
+from neol.run.provenance import ASKING_PACKAGE, this_package
 from neol.run.record_file import records_below
 from neol.run.workspace import remove_if_complete
 from neol.spec.readings import with_changes
@@ -26,9 +27,19 @@ from neol.study.workflow.exhibits import by_notebook, exhibits, records
 from neol.study.workflow.snakemake import clear_stale_locks, pattern
 
 # The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
-# `snakemake --lint` asks of each rule.
-BIN = shlex.quote(str(Path(sys.executable).parent))
-shell.prefix(f'set -euo pipefail; export PATH={BIN}:"$PATH"; ')
+# `snakemake --lint` asks of each rule. Jupyter finds this environment's kernel before any other of its name, such as a
+# user's own, and a notebook refuses to run another neol than this one.
+BIN, KERNELS, PACKAGE = (
+    shlex.quote(str(path))
+    for path in (
+        Path(sys.executable).parent,
+        Path(sys.prefix, "share", "jupyter"),
+        this_package(),
+    )
+)
+shell.prefix(
+    f'set -euo pipefail; export PATH={BIN}:"$PATH" JUPYTER_PATH={KERNELS} {ASKING_PACKAGE}={PACKAGE}; '
+)
 
 ALLOWED = "budget", "reading", "set", "tasks"
 if unknown := sorted(set(config) - set(ALLOWED)):

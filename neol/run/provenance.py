@@ -8,11 +8,14 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
+from neol.base.errors import UserError
 from neol.spec.types import Model
 
 PACKAGES = ("numpy", "numba", "gymnasium", "mujoco", "box2d", "neol")
 CODE = ("neol", "config", "environment.lock")
 """What runs are made with, from the root of the checkout."""
+ASKING_PACKAGE = "NEOL_PACKAGE"
+"""The environment variable in which the workflow names the package that it runs."""
 
 
 class Provenance(Model):
@@ -73,7 +76,7 @@ def checkout(*further: str) -> tuple[str | None, bool | None]:
     As they were at the first call of the process, which is for the first run to make when it
     begins: a run takes hours, and what is committed or edited meanwhile is not what it runs.
     """
-    root = Path(__file__).resolve().parents[2]
+    root = this_package().parent
     try:
         _git(root, "ls-files", "--error-unmatch", "neol/run/provenance.py")
         commit = _git(root, "rev-parse", "HEAD")
@@ -81,6 +84,24 @@ def checkout(*further: str) -> tuple[str | None, bool | None]:
     except (OSError, subprocess.CalledProcessError):
         return None, None
     return commit, bool(changes)
+
+
+def this_package() -> Path:
+    """The folder of the neol that runs."""
+    return Path(__file__).resolve().parents[1]
+
+
+def refuse_another_package() -> None:
+    """Raise UserError where the workflow that started this process runs another neol.
+
+    A notebook's kernel may be of another Python, with another installation.
+    """
+    asking = os.environ.get(ASKING_PACKAGE)
+    if asking not in (None, str(this_package())):
+        raise UserError(
+            f"{this_package()}: not the neol that asks, {asking}; "
+            f"install ipykernel beside that, or say PYTHONPATH={Path(asking).parent}"
+        )
 
 
 def _git(root: Path, *arguments: str) -> str:

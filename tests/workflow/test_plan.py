@@ -244,13 +244,3 @@ def test_no_record_is_deleted_with_all_output(clone: Path) -> None:
     assert result.returncode == 0, result.stderr
     assert not page.exists()
     assert sorted((clone / "results").rglob("*.parquet")) == records
-
-
-def test_a_record_that_is_there_may_be_a_target(clone: Path) -> None:
-    record = next((clone / RESULTS / "first" / "demo").rglob("*.parquet"))
-    for options in ((), ("--forceall",)):
-        result = snakemake(
-            clone, *options, str(record.relative_to(clone)), "--config", "budget=demo", "--cores=1"
-        )
-        assert result.returncode == 0, result.stderr
-        assert record.exists()

@@ -14,6 +14,7 @@ import pandas as pd
 
 from neol.base.errors import UserError
 from neol.base.files import read_bounded
+from neol.run.provenance import refuse_another_package
 from neol.run.record import SCHEMA, Record
 from neol.run.record_file import MAX_RECORD_BYTES, parse_record
 from neol.spec.configuration import Configuration
@@ -88,6 +89,8 @@ class Campaign:
     """What there is of a budget in a results folder; each cell is read once, when asked for."""
 
     def __init__(self, configuration: Configuration, results: Path = RESULTS) -> None:
+        """Raises UserError where another installation of neol asks for it."""
+        refuse_another_package()
         self.configuration = configuration
         self._results = results
         self._blocks: dict[Cell, list[Block]] = {}
