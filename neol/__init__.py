@@ -1,7 +1,7 @@
 """NEOL: reward-gated online plasticity for NEAT, reproduced.
 
-What a study of one's own needs. A configuration has every constant, it makes the specification of
-a run, and the run makes a record:
+The library in six steps. A configuration holds every constant and makes the specification of a run;
+the run makes a record:
 
 >>> from pathlib import Path
 >>> import neol
@@ -17,7 +17,7 @@ a run, and the run makes a record:
 2     1           1            6
 3     1           2           12
 
-A record is one file that vouches for itself; a folder of them is a table of runs:
+A record is one file that carries its own digest; a folder of records reads as a table of runs:
 
 >>> neol.write_record(Path("runs/oja.parquet"), record)
 >>> neol.read_record(Path("runs/oja.parquet")).spec == spec
@@ -27,7 +27,7 @@ True
 0  oja.parquet    oja     0
 1  oja.parquet    oja     1
 
-Its champion plays again, exactly as recorded, or in episodes that it never met:
+A record's champion can replay the recorded episodes exactly, or play new ones:
 
 >>> champion = neol.load_champion(Path("runs/oja.parquet"), seed=1)
 >>> champion.evaluate(champion.held_out_seeds).tolist() == list(champion.recorded_returns)
@@ -35,7 +35,7 @@ True
 >>> champion.evaluate([1, 2, 3, 4, 5]).shape
 (5,)
 
-A plasticity rule is a function (docs/how-to/add-a-rule.md), and any environment of Gymnasium with
+A plasticity rule is a function (docs/how-to/add-a-rule.md), and any Gymnasium environment with
 flat spaces is a task (docs/how-to/add-a-task.md):
 
 >>> @neol.rule
@@ -52,7 +52,7 @@ flat spaces is a task (docs/how-to/add-a-task.md):
 >>> acrobot.task.max_steps
 500
 
-What is wrong with the input is a `UserError`: one line that says how to mend it.
+Wrong input raises a `UserError`: one line that says what is wrong and how to fix it.
 
 >>> configuration.run_spec(task="carpole", method="neat", population=6, generations=2)
 Traceback (most recent call last):
@@ -84,7 +84,7 @@ _MODULES = {
     "neol.spec.configuration": ("Configuration", "load_configuration"),
     "neol.spec.run_spec": ("RunSpec",),
 }
-"""Where the names come from: a module is imported when one of its names is first used."""
+"""The module of each public name, imported when one of its names is first used."""
 
 __all__ = [
     "Configuration",

@@ -1,4 +1,4 @@
-"""`python -m neol` is `neol`."""
+"""Run `neol` as `python -m neol`."""
 
 from neol.cli import app
 

@@ -1,1 +1,1 @@
-"""What all others stand on: errors, files, compiled kernels, signals."""
+"""Foundations of all other folders: errors, files, compiled kernels, signals."""

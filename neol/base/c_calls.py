@@ -14,14 +14,14 @@ from numba.extending import intrinsic
 
 
 def address(function: Any) -> int:
-    """The address of a ctypes function."""
+    """Return the address of a ctypes function."""
     value = ctypes.cast(function, ctypes.c_void_p).value
     assert value is not None
     return value
 
 
 def _c_call(returns: types.Type, function: types.Type, arguments: tuple[types.Type, ...]) -> Any:
-    """Numba's signature and code of a call: an array is passed as the pointer to its data."""
+    """Return numba's signature and code of a call; an array is passed as a pointer to its data."""
     if not isinstance(function, types.Integer):
         return None
     signature = returns(function, types.StarArgTuple(arguments))  # type: ignore[no-untyped-call]

@@ -1,4 +1,4 @@
-"""The one kind of error that is the user's to mend, and what is said that is none."""
+"""Errors that the user can fix, and the opening words of messages that report no error."""
 
 import difflib
 from collections.abc import Callable, Iterable
@@ -7,18 +7,16 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 NOTICE = "neol: note: "
-"""How a line of ours begins that tells of no error."""
+"""Opening words of a line that informs and reports no error."""
 INTERRUPTED, TERMINATED = "interrupted", "terminated"
-"""How what follows `neol: ` begins where a run was stopped, which is no error either."""
+"""First words after `neol: ` where a signal stopped a run, which is no error either."""
 
 
 class UserError(Exception):
-    """Something outside neol is wrong: one line that says what, where, and how to mend it.
+    """Error outside neol (input, disk, environment): one line says what, where and how to fix it.
 
-    Mostly the input; else what it runs on (a full disk) or with (an environment that raises).
-
-    The command line prints the line and exits with 2; a stack trace is left to our own bugs.
-    What a terminal would not show as it is, such as a line's end in a name, is escaped.
+    The command line prints the line and exits with 2; only an internal error shows a stack trace.
+    Characters that a terminal cannot show, such as a line break in a name, are escaped.
     """
 
     def __init__(self, line: str) -> None:
@@ -38,10 +36,10 @@ def one_line(
     root: object,
     place: Callable[[tuple[str, ...]], str] = ".".join,
 ) -> str:
-    """The first of the errors, an unknown key before what it left missing.
+    """Return the first error as one line; an unknown key comes before a missing one.
 
-    `root` is the type that was asked for, a model or a dictionary of them; `place` names a path
-    of keys so that the user finds it.
+    `root` is the expected type, a model or a dictionary of models; `place` names a path of keys
+    so that the user finds it.
     """
     first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
     loc = tuple(str(part) for part in first["loc"] if part != "[key]")
@@ -56,7 +54,7 @@ def one_line(
 
 
 def _keys(root: object, loc: tuple[str, ...]) -> list[str]:
-    """The keys that the types allow at a place, without those that no file states."""
+    """Return the keys that the types allow at a place, without those that files never state."""
     place: Any = root
     for key in loc:
         is_model = isinstance(place, type) and issubclass(place, BaseModel)
@@ -69,7 +67,7 @@ def _keys(root: object, loc: tuple[str, ...]) -> list[str]:
 
 
 def hint(word: object, allowed: Iterable[str]) -> str:
-    """What was perhaps meant, and all that is allowed."""
+    """Return the closest allowed word as a question, and the list of all allowed words."""
     allowed = list(allowed)
     near = difflib.get_close_matches(str(word), allowed, n=1)
     meant = f', did you mean "{near[0]}"?' if near else ""

@@ -1,4 +1,4 @@
-"""Files that are whole or not there: atomic writing, bounded reading; the cache's folder."""
+"""Files: atomic writing, bounded reading, and the folder of the cache."""
 
 import contextlib
 import hashlib
@@ -18,10 +18,9 @@ from neol.base.errors import UserError
 def write_atomically(path: Path, content: bytes, *, scratch: Path | None = None) -> None:
     """Write a file so that any reader, after any crash, finds the old content or the new one.
 
-    It is first written under another name, in the folder `scratch` of the same file system or else
-    beside itself; a killed process leaves that behind. Of several writers the last one wins. A
-    folder that is not there is made. Raises UserError where it cannot be written: no right, no
-    space.
+    The content goes first to a temporary file in the folder `scratch` on the same file system, by
+    default beside the path; a killed process leaves that file behind. Of several writers the last
+    one wins. Missing folders are made. Raises UserError where writing fails (no right, no space).
     """
     temporary = (scratch or path.parent) / f".{path.name}.{secrets.token_hex(4)}.tmp"
     try:
@@ -32,7 +31,7 @@ def write_atomically(path: Path, content: bytes, *, scratch: Path | None = None)
             os.fsync(file.fileno())
         temporary.replace(path)
         _flush_folder(path.parent)
-    except BaseException as error:  # also an interrupt: nothing half-written stays behind
+    except BaseException as error:  # also an interrupt: leave no half-written file
         with contextlib.suppress(OSError):
             temporary.unlink()
         if not isinstance(error, OSError):
@@ -43,22 +42,23 @@ def write_atomically(path: Path, content: bytes, *, scratch: Path | None = None)
 
 
 def open_regular(path: Path) -> BufferedReader:
-    """Open a regular file for reading: a pipe would block, a device may never end.
+    """Open a regular file for reading.
 
-    Raises UserError where there is none.
+    Raises UserError for a missing file and for any other kind: a pipe would block, a device may
+    never end.
     """
     try:
         file = open(path, "rb", opener=_without_blocking)  # noqa: SIM115
-    except (OSError, ValueError) as error:  # a name from a file may hold a zero
+    except (OSError, ValueError) as error:  # a name may hold a null character
         raise _unreadable(path, getattr(error, "strerror", error)) from None
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
     file.close()
-    raise _unreadable(path, "no regular file")
+    raise _unreadable(path, "not a regular file")
 
 
 def read_bounded(path: Path, limit: int) -> bytes:
-    """The content of a file of at most `limit` bytes. Raises UserError where there is none."""
+    """Return the content of a file of at most `limit` bytes. Raises UserError without one."""
     with open_regular(path) as file:
         try:
             content = file.read(limit + 1)
@@ -70,28 +70,28 @@ def read_bounded(path: Path, limit: int) -> bytes:
 
 
 def sha256(path: Path) -> str:
-    """SHA-256 in hex of a file's content. Raises UserError where there is none."""
+    """Return the SHA-256 in hex of a file's content. Raises UserError without a file."""
     with open_regular(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def cache_folder() -> Path:
-    """The user's folder for what can be made again; a user without a home has a temporary one."""
-    with contextlib.suppress(RuntimeError):  # no home, as a container's unknown user
+    """Return the user's cache folder; a user without a home gets a temporary one."""
+    with contextlib.suppress(RuntimeError):  # a container's unknown user has no home
         return platformdirs.user_cache_path("neol")
     return temporary_cache_folder()
 
 
 def temporary_cache_folder() -> Path:
-    """The same in the system's temporary folder, where others may have made it."""
+    """Return the cache folder in the system's temporary folder; another user may have made it."""
     return Path(tempfile.gettempdir(), f"neol-{os.getuid()}")
 
 
 def files_below(folder: Path, pattern: str, above: tuple[Path, ...] = ()) -> Iterator[Path]:
-    """What lies in a folder or below it under a name like `*.parquet`; links are followed.
+    """Yield the files in a folder and below it whose names match a pattern like `*.parquet`.
 
-    A link to one of the folders `above` it would lead around for ever and is not. Raises OSError
-    for a folder that cannot be read.
+    Links are followed, except those to a folder in `above`, which would loop for ever. Raises
+    OSError for a folder that cannot be read.
     """
     here = folder.resolve()
     if here in above:
@@ -104,7 +104,7 @@ def files_below(folder: Path, pattern: str, above: tuple[Path, ...] = ()) -> Ite
 
 
 def _unreadable(path: Path, reason: object) -> UserError:
-    return UserError(f"{path}: cannot be read ({reason}); check its name and its rights")
+    return UserError(f"{path}: cannot be read ({reason}); check its name and permissions")
 
 
 def _without_blocking(path: str, flags: int) -> int:
@@ -112,7 +112,7 @@ def _without_blocking(path: str, flags: int) -> int:
 
 
 def _flush_folder(folder: Path) -> None:
-    """Make a rename outlast a loss of power."""
+    """Flush a folder to disk, so that a rename in it survives a loss of power."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)

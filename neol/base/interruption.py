@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: a run is asked to stop, and stops at the next place that looks."""
+"""Ctrl-C and SIGTERM: a signal asks a run to stop; the run checks for it between steps of work."""
 
 import contextlib
 import signal
@@ -7,7 +7,7 @@ from types import FrameType
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM, taken as an interrupt."""
+    """Interrupt raised by SIGTERM."""
 
 
 _asked: type[KeyboardInterrupt] | None = None
@@ -16,7 +16,7 @@ _asked: type[KeyboardInterrupt] | None = None
 def stop_if_asked() -> None:
     """Raise KeyboardInterrupt after Ctrl-C and Terminated after SIGTERM, within `interruptible`.
 
-    Called by whatever takes long, between two pieces of its work.
+    Long computations call it between two pieces of work.
     """
     if _asked is not None:
         raise _asked
@@ -24,11 +24,11 @@ def stop_if_asked() -> None:
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM wait for `stop_if_asked`; a second signal does not wait.
+    """Defer Ctrl-C and SIGTERM to the next `stop_if_asked`; a second signal acts at once.
 
-    An exception out of a signal's handler could come up where a library expects none, in a
-    finaliser or in the midst of compiling. What is ignored outside, as Ctrl-C in a shell's
-    background, stays so.
+    An exception raised in a signal handler could surface where a library expects none, in a
+    finaliser or during compilation. A signal that is ignored outside (Ctrl-C in a shell's
+    background) stays ignored.
     """
     global _asked
 

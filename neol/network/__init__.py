@@ -1,1 +1,1 @@
-"""What a network does: its forward pass, and how its weights learn online."""
+"""Networks: the forward pass, and online learning of the weights."""

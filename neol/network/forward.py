@@ -1,7 +1,7 @@
 """Networks as arrays, and the forward pass.
 
-A batch of feed-forward networks (a whole population's) is packed into one set of arrays, so that
-an engine can evaluate it without touching Python. One network is a batch of one.
+The networks of a whole population are packed into one set of arrays, a batch, which compiled code
+evaluates without Python. A single network is a batch of one.
 """
 
 import math
@@ -19,18 +19,18 @@ TANH, RELU, SIGMOID, IDENTITY = ACTIVATIONS.values()
 class Networks(NamedTuple):
     """P feed-forward networks with M computed nodes and E enabled connections in all.
 
-    A node is known in its own network by its position: inputs first, then the hidden nodes in
+    A position identifies a node within its network: inputs first, then the hidden nodes in
     topological order, then the outputs. Only hidden and output nodes are computed and stored.
     """
 
     inputs: int
     outputs: int
     activation: int
-    """Of hidden nodes, one of `ACTIVATIONS`; outputs are tanh."""
+    """Activation of hidden nodes, one of `ACTIVATIONS`; outputs use tanh."""
     sum_limit: float
     """A node's summed input is clipped to +-sum_limit before its activation."""
     activation_scale: float
-    """And then multiplied by this: an output is tanh(activation_scale * sum)."""
+    """Factor of the clipped sum: an output is tanh(activation_scale * sum)."""
     node_offset: npt.NDArray[np.int64]
     """int64[P + 1]: network p computes the nodes node_offset[p] to node_offset[p + 1]."""
     bias: npt.NDArray[np.float64]
@@ -44,11 +44,11 @@ class Networks(NamedTuple):
 
     @property
     def population(self) -> int:
-        """P."""
+        """Number of networks P."""
         return len(self.node_offset) - 1
 
     def slice(self, begin: int, end: int) -> "Networks":
-        """The networks begin to end, as a batch of their own."""
+        """Return networks[begin:end] as a batch."""
         first, last = self.node_offset[begin], self.node_offset[end]
         edges = slice(self.edge_offset[first], self.edge_offset[last])
         return self._replace(
@@ -68,7 +68,7 @@ class Networks(NamedTuple):
 
 @loop_kernel
 def activate(total: float, activation: int) -> float:
-    """A node's activity from its clipped and scaled sum."""
+    """Return a node's activity, given its clipped and scaled sum."""
     if activation == TANH:
         return math.tanh(total)
     if activation == RELU:
@@ -82,9 +82,9 @@ def activate(total: float, activation: int) -> float:
 def forward(networks: Networks, index: int, values: npt.NDArray[np.float64]) -> None:
     """Compute the activities of one network of a batch in place.
 
-    `values` is float64 and holds the observation in its first entries, one for each input;
-    afterwards the activities of the network's nodes follow, the outputs last (Section 4.1).
-    Unsigned indices spare the inner loop numba's question whether an index counts from the end.
+    `values` is float64. Its first entries hold the observation, one for each input; the
+    activities of the network's nodes are written after them, the outputs last (Section 4.1).
+    Unsigned indices spare the inner loop numba's test for negative indices.
     """
     edge_offset, source, weight = networks.edge_offset, networks.source, networks.weight
     limit, scale = networks.sum_limit, networks.activation_scale

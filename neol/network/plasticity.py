@@ -1,8 +1,8 @@
 """Online plasticity: how weights learn after every step of an episode (paper A.3, Algorithm 2).
 
-The reward opens a rule's gate: gate = gain * r with gain = eta * beta. The loop over a network's
-connections is compiled for each rule apart and called by its address, so kernels are the same for
-all rules.
+The reward r gates a rule: gate = gain * r with gain = eta * beta. The loop over a network's
+connections is compiled once for each rule and called by address, so the other kernels do not
+depend on the rule.
 """
 
 import math
@@ -29,21 +29,21 @@ _SIGNATURE = types.int32(
     *(types.int64, types.float64, types.float64, types.float64),  # inputs, gate, alpha, limit
     _FLOATS,  # values
 )
-"""Of a compiled loop: what `learn` passes on, piece by piece as C has it."""
+"""C signature of a compiled loop; `learn` passes these arguments."""
 
 
 class Learning(NamedTuple):
-    """How the networks of a batch learn; its numbers are those of a run's specification."""
+    """Learning of a batch of networks; the constants are those of a run's specification."""
 
     rule: int
-    """What `compiled` gives."""
+    """Address of a rule's compiled loop (see `compiled`)."""
     gain: float
     """eta * beta, the learning rate times the reward scale; times the reward it is the gate."""
     threshold_rate: float
-    """alpha."""
+    """Rate alpha of the sliding threshold."""
     weight_limit: float
     threshold: npt.NDArray[np.float64]
-    """float64[M]: of each node; changes as the networks learn."""
+    """float64[M]: threshold of each node; changes as the networks learn."""
 
 
 @loop_kernel
@@ -54,10 +54,10 @@ def learn(
     reward: float,
     values: npt.NDArray[np.float64],
 ) -> bool:
-    """Let one network of a batch learn from one step, in place (Algorithm 2, line 11).
+    """Update one network's weights after one step, in place (Algorithm 2, line 11).
 
     `values` holds the activities of the forward pass that chose the action. Returns whether all
-    weights stayed finite.
+    weights are finite.
     """
     if learning.rule == 0:
         return True
@@ -79,13 +79,16 @@ def learn(
 
 
 def compiled(rule: str) -> int:
-    """The address of a rule's compiled loop; 0 for no rule. Raises UserError for an unknown one."""
+    """Return the address of a rule's compiled loop, 0 for no rule.
+
+    Raises UserError for an unknown rule.
+    """
     return 0 if rule == NO_RULE else int(learner(find_rule(rule)).address)
 
 
 @cache
 def learner(rule: Rule) -> Any:
-    """A rule's loop over connections as a C function; called from Python it is the plain twin.
+    """Return a rule's loop over connections as a C function; its plain twin if called from Python.
 
     Weights are clipped to +-weight_limit; each node's threshold then moves by
     theta += alpha * (y^2 - theta). Raises UserError where the rule cannot be compiled.
@@ -105,8 +108,8 @@ def learner(rule: Rule) -> Any:
             threshold[node] = theta + alpha * (y * y - theta)
         return finite
 
-    loop.__qualname__ = f"learn_{rule.name}"  # by which the cache and the linker tell loops apart
-    # A rule from elsewhere is compiled in each process: nothing would tell that it was edited.
+    loop.__qualname__ = f"learn_{rule.name}"  # distinguishes loops in the cache and the linker
+    # A rule from another module is compiled in each process: the cache cannot see its edits.
     cached = rule.change.__module__.startswith("neol.")
     try:
         return numba.cfunc(_SIGNATURE, cache=cached, error_model="numpy")(loop)

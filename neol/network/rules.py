@@ -1,9 +1,10 @@
 """The plasticity rules: how much one step changes a connection's weight (paper's Section 2).
 
-A rule is a function of four numbers that are local to a connection: the activities x before and
-y after it, its weight w, and theta, the sliding mean of y^2 at the node that it leads to. The
-reward opens its gate and `neol.network.plasticity` compiles it. `RULES` is where the command line,
-the configuration and the workflow find it: adding a function here adds it everywhere.
+A rule is a function of four numbers that are local to a connection: the presynaptic activity x,
+the postsynaptic activity y, the weight w, and theta, the sliding mean of y^2 at the postsynaptic
+node. `neol.network.plasticity` multiplies it by the gate, which follows the reward, and compiles
+it. The command line, the configuration and the workflow read `RULES`: a function that is added
+here is available everywhere.
 """
 
 import inspect
@@ -14,11 +15,11 @@ from dataclasses import dataclass
 from neol.base.errors import UserError, hint
 
 Change = Callable[[float, float, float, float], float]
-"""What a rule adds to w for each unit of the gate, by x, y, w and theta."""
+"""Change of w per unit of the gate, as a function of x, y, w and theta."""
 
 NO_RULE = "none"
 WITHOUT_RULE = ("neat", "neat_wo")
-"""The methods that do not learn online. Each rule is a method of its own name."""
+"""Methods without online learning. Every other method has the name of its rule."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,20 +28,20 @@ class Rule:
 
     name: str
     meaning: str
-    """In one line."""
+    """Meaning in one line."""
     change: Change
 
 
 RULES: dict[str, Rule] = {}
-"""By name, in the order in which they were added."""
+"""Rules by name, in the order in which they were added."""
 
 
 def rule(change: Change) -> Change:
-    """Add a function of (x, y, w, theta) as the plasticity rule of its name; returns it.
+    """Add a function of (x, y, w, theta) as the plasticity rule of its name; return the function.
 
-    The first line of its docstring says what it means. A rule may be replaced from where it
-    came from: a notebook's cell can run again.
-    Raises UserError for another function, and for a name that is taken or none.
+    The first line of its docstring is the rule's meaning. Its own module may replace a rule, so
+    a notebook's cell can run again. Raises UserError for other parameters and for an invalid name
+    or one that is taken.
     """
     name = change.__name__
     if list(inspect.signature(change).parameters) != ["x", "y", "w", "theta"]:
@@ -55,9 +56,9 @@ def rule(change: Change) -> Change:
 
 
 def find_rule(name: str) -> Rule:
-    """The rule of that name. Raises UserError where there is none."""
+    """Return the rule of a name. Raises UserError for an unknown name."""
     if name not in RULES:
-        way_out = 'if a script adds it, say "python SCRIPT" for "neol" (docs/how-to/add-a-rule.md)'
+        way_out = 'if a script adds it, run "python SCRIPT", not "neol" (docs/how-to/add-a-rule.md)'
         raise UserError(f'unknown rule "{name}"{hint(name, RULES)}; {way_out}')
     return RULES[name]
 
@@ -70,7 +71,7 @@ def hebb(x: float, y: float, w: float, theta: float) -> float:
 
 @rule
 def oja(x: float, y: float, w: float, theta: float) -> float:
-    """Oja's rule: Hebb's with a decay that bounds the weights (Equation 2)."""
+    """Oja's rule: Hebb's rule with a decay that bounds the weights (Equation 2)."""
     return y * (x - y * w)
 
 

@@ -1,1 +1,1 @@
-"""From a run's seed to every random stream, in Python and in compiled code."""
+"""Random streams derived from a run's seed, in Python and in compiled code."""

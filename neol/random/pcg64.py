@@ -23,7 +23,7 @@ UNUSED, ROTATION = np.uint64(11), np.uint64(58)
 
 @kernel
 def _high_product(a: np.uint64, b: np.uint64) -> np.uint64:
-    """The high half of the 128-bit product of two 64-bit words."""
+    """Return the high half of the 128-bit product of two 64-bit words."""
     a_high, a_low, b_high, b_low = a >> HALF, a & LOW_HALF, b >> HALF, b & LOW_HALF
     middle = a_high * b_low + ((a_low * b_low) >> HALF)
     carry = a_low * b_high + (middle & LOW_HALF)
@@ -63,7 +63,7 @@ def seed_pcg64(seed: np.uint64, state: State) -> None:
 
 
 def new_state(random: np.random.Generator) -> State:
-    """The state of a new stream, seeded by a number drawn from another one."""
+    """Return the state of a new stream, seeded by a number drawn from another stream."""
     state = np.empty(4, dtype=np.uint64)
     seed_pcg64(random.integers(2**64, dtype=np.uint64), state)
     return state
@@ -71,7 +71,7 @@ def new_state(random: np.random.Generator) -> State:
 
 @kernel
 def next_double(state: State) -> float:
-    """The next number of Generator.random(), in [0, 1)."""
+    """Return the next number of Generator.random(), in [0, 1)."""
     _advance(state)
     rotation = state[0] >> ROTATION
     word = state[0] ^ state[1]
@@ -81,21 +81,21 @@ def next_double(state: State) -> float:
 
 @kernel
 def uniform(low: float, high: float, state: State) -> float:
-    """The next number of Generator.uniform(low, high)."""
+    """Return the next number of Generator.uniform(low, high)."""
     return low + (high - low) * next_double(state)
 
 
 @kernel
 def below(limit: int, state: State) -> int:
-    """A whole number from 0 to limit - 1; 53 random bits, so limits far below 2^53."""
+    """Draw an integer from 0 to limit - 1 with 53 random bits; `limit` must be far below 2^53."""
     return int(limit * next_double(state))
 
 
 @kernel
 def standard_normals(size: int, state: State) -> npt.NDArray[np.float64]:
-    """Independent standard normal numbers, float64[size], by Marsaglia's polar method.
+    """Draw independent standard normal numbers, float64[size], by Marsaglia's polar method.
 
-    Not the numbers of Generator.standard_normal().
+    They differ from those of Generator.standard_normal().
     """
     points = np.empty(((size + 1) // 2, 2))
     square = np.empty(len(points))
@@ -104,7 +104,7 @@ def standard_normals(size: int, state: State) -> npt.NDArray[np.float64]:
         x = 2.0 * next_double(state) - 1.0
         y = 2.0 * next_double(state) - 1.0
         points[accepted, 0], points[accepted, 1], square[accepted] = x, y, x * x + y * y
-        # The next point takes the place of one outside the circle: cheaper than a branch.
+        # The next point overwrites one outside the circle, which is cheaper than a branch.
         accepted += 0.0 < square[accepted] < 1.0
     for i in range(len(points)):
         scale = math.sqrt(-2.0 * math.log(square[i]) / square[i])

@@ -61,10 +61,10 @@ def generate_state(pool: Words, state: npt.NDArray[np.uint64]) -> None:
 
 
 def spawned_words(seed: int, keys: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint64]:
-    """The first word of each spawned sequence: uint64[n] for the spawn keys in uint32[n, k].
+    """Return the first word of each spawned sequence: uint64[n] for spawn keys uint32[n, k].
 
-    Equal to SeedSequence(seed, spawn_key=key).generate_state(1, np.uint64)[0] for each row, at a
-    hundredth of its time. `seed` is any non-negative integer.
+    Each row equals SeedSequence(seed, spawn_key=key).generate_state(1, np.uint64)[0] and takes a
+    hundredth of the time. `seed` is any non-negative integer.
     """
     length = max(POOL_SIZE, -(-seed.bit_length() // 32))
     entropy = np.frombuffer(seed.to_bytes(4 * length, "little"), dtype="<u4").astype(np.uint32)

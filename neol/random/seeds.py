@@ -1,7 +1,7 @@
-"""From a run's seed to every random stream.
+"""Random streams derived from a run's seed.
 
-Each stream is a `numpy.random.SeedSequence` with a spawn key of its own, so any episode of any
-run can be replayed alone, and no stream depends on how much another was used.
+Each stream is a `numpy.random.SeedSequence` with its own spawn key, so any episode of any run can
+be replayed alone, and no stream depends on how much another one was used.
 """
 
 from enum import IntEnum
@@ -13,7 +13,7 @@ from neol.random.seed_sequence import spawned_words
 
 
 class Stream(IntEnum):
-    """What a random stream is for: the first entry of its spawn key."""
+    """Purpose of a random stream: the first entry of its spawn key."""
 
     INITIAL = 0
     REPRODUCTION = 1
@@ -22,7 +22,7 @@ class Stream(IntEnum):
 
 
 def generator(seed: int, stream: Stream, *key: int) -> np.random.Generator:
-    """The random generator of one stream, for instance of one generation's reproduction."""
+    """Return the random generator of one stream, for instance of one generation's reproduction."""
     sequence = np.random.SeedSequence(seed, spawn_key=(int(stream), *key))
     return np.random.Generator(np.random.PCG64(sequence))
 
@@ -30,10 +30,10 @@ def generator(seed: int, stream: Stream, *key: int) -> np.random.Generator:
 def episode_seeds(
     seed: int, generation: int, population: int, episodes: int
 ) -> npt.NDArray[np.uint64]:
-    """Environment seeds of a generation: uint64[population, episodes].
+    """Return the environment seeds of a generation: uint64[population, episodes].
 
-    They depend on the run's seed, the generation, the genome's place in the population and the
-    episode, not on the method: all methods meet the same episodes.
+    They depend only on the run's seed, the generation, the genome's place in the population and
+    the episode, so all methods play the same episodes.
     """
     keys = np.empty((population, episodes, 4), dtype=np.uint32)
     keys[..., 0] = Stream.EPISODE
@@ -44,9 +44,9 @@ def episode_seeds(
 
 
 def held_out_seeds(seed: int, episodes: int) -> npt.NDArray[np.uint64]:
-    """Environment seeds of the champion's held-out episodes: uint64[1, episodes].
+    """Return the environment seeds of the champion's held-out episodes: uint64[1, episodes].
 
-    Disjoint from training: another stream of the same seed.
+    They come from another stream of the run's seed than those of training.
     """
     keys = np.empty((episodes, 2), dtype=np.uint32)
     keys[:, 0] = Stream.HELD_OUT

@@ -83,7 +83,7 @@ def test_a_record_of_a_rule_that_is_not_here_is_read_but_not_played() -> None:
     del RULES["leaky"]
     again = type(spec).model_validate_json(spec.model_dump_json())
     assert again == spec
-    with pytest.raises(UserError, match=r'unknown rule "leaky" \(allowed: hebb, .* say "python SC'):
+    with pytest.raises(UserError, match=r'unknown rule "leaky" \(allowed: hebb, .* run "python SC'):
         compiled(again.plasticity.rule)
 
 
