@@ -1,1 +1,1 @@
-"""What a run is: its typed constants, where they come from, and its specification."""
+"""The specification of a run: typed constants, and the files and options that set them."""

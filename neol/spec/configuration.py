@@ -1,8 +1,8 @@
-"""The configuration of a budget, from which the specifications of its runs are made.
+"""The configuration of a budget, which makes the specifications of its runs.
 
 `config/base.yaml` holds every constant with its source. A reading and a budget's file overlay it,
 and `key=value` overrides come last. `python -m neol.spec.configuration` writes the JSON schemas
-that editors check these files with.
+by which editors check these files.
 """
 
 import json
@@ -40,19 +40,19 @@ from neol.spec.sources import Overlay
 from neol.spec.types import MethodName, Model, Text
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-# A wheel carries `config/` and `paper/reference/` inside the package, a checkout beside it.
+# A wheel has `config/` and `paper/reference/` inside the package, a checkout beside it.
 ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
 READINGS = CONFIG / "readings"
 PAPER_BUDGET = "paper"
-"""Its constants are those of config/base.yaml."""
+"""Budget whose constants are those of config/base.yaml."""
 
 
 class Configuration(Model):
-    """A budget's resolved configuration, under one reading."""
+    """Resolved configuration of a budget under one reading."""
 
     reading: Text
-    """Its label (see neol.spec.readings); never written in a file."""
+    """Label of the reading (see neol.spec.readings); never written in a file."""
     tasks: dict[str, Task]
     network: Network
     plasticity: PlasticityConstants
@@ -78,17 +78,16 @@ class Configuration(Model):
         learning_rate: float | None = None,
         seed: int = 0,
     ) -> RunSpec:
-        """The specification of one run.
+        """Return the specification of one run.
 
         `task` may be `gym:ID`; `learning_rate` is None for a method without a rule.
-
-        Raises UserError for whatever is not allowed.
+        Raises UserError for values that are not allowed.
         """
         self.check_names(task, method)
         chosen = self.methods[method]
         if not chosen.learns and learning_rate is not None:
             raise UserError(
-                f"learning_rate = {learning_rate}: {method} does not learn online, leave it out"
+                f"learning_rate = {learning_rate}: {method} does not learn online; leave it out"
             )
         if chosen.learns and learning_rate is None:
             grid = ", ".join(f"{each:g}" for each in self.budget.learning_rates)
@@ -98,7 +97,7 @@ class Configuration(Model):
         constants = {} if task in self.tasks else _gymnasium_constants(task)
         if task not in self.tasks and "max_steps" not in constants:
             raise UserError(
-                f"{task}: Gymnasium sets it no limit of steps; give one (--max-steps 1000)"
+                f"{task}: Gymnasium sets no step limit for it; give one (--max-steps 1000)"
             )
         try:
             return RunSpec(
@@ -121,12 +120,12 @@ class Configuration(Model):
 
 
 def budgets() -> list[str]:
-    """The names of the budgets that `config/` has."""
+    """Return the names of the budgets in `config/`."""
     return sorted(path.stem for path in CONFIG.glob("*.yaml") if path.stem != "base")
 
 
 Option = tuple[str, tuple[str, ...], str]
-"""An option of the command line, the path of keys that it stands for, and its value."""
+"""Option of the command line, the path of keys that it sets, and its value."""
 
 
 def load_configuration(
@@ -135,10 +134,10 @@ def load_configuration(
     options: Sequence[Option] = (),
     reading: str = DEFAULT_READING,
 ) -> Configuration:
-    """config/base.yaml, overlaid by a reading, a budget's file, overrides and options in turn.
+    """Load config/base.yaml, overlaid by a reading, a budget's file, overrides and options in turn.
 
-    `reading` is a label ("first+neat.elitism=3"), an override is like "neat.elitism=3".
-    Raises UserError, in one line with file, key, value and what is allowed.
+    `reading` is a label ("first+neat.elitism=3"); an override looks like "neat.elitism=3".
+    Raises UserError: one line with file, key, value and what is allowed.
     """
     if budget not in budgets():
         raise UserError(f'unknown budget "{budget}"{hint(budget, budgets())}')
@@ -154,7 +153,7 @@ def load_configuration(
     for option, loc, value in options:
         overlay.add_option(option, loc, value)
     if "reading" in overlay.values:
-        raise UserError(f"{overlay.place(('reading',))}: unknown key; --reading names it")
+        raise UserError(f"{overlay.place(('reading',))}: unknown key; --reading sets it")
     overlay.add(("reading",), reading, "--reading")
     _name(overlay, ("budget",), budget)
     for task in overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ():
@@ -179,7 +178,7 @@ def load_configuration(
 
 
 def _label(configuration: Configuration, reading: str, changes: Sequence[str]) -> str:
-    """The label of a reading and changes, each with the value that the configuration has."""
+    """Return the label of a reading with changes, each with its value in the configuration."""
     content = configuration.model_dump(mode="json")
     keys = [change.partition("=")[0].strip() for change in changes]
     values = {key: reduce(lambda part, name: part[name], key.split("."), content) for key in keys}
@@ -187,7 +186,7 @@ def _label(configuration: Configuration, reading: str, changes: Sequence[str]) -
 
 
 def configuration_schema() -> dict[str, Any]:
-    """JSON schema of a configuration file, which may hold any part of the whole."""
+    """Return the JSON schema of a configuration file, which may hold any part of the constants."""
     whole = Configuration.model_json_schema()
     for part in (whole, *whole["$defs"].values()):
         part.pop("required", None)
@@ -198,7 +197,7 @@ def configuration_schema() -> dict[str, Any]:
 
 
 def reading_schema() -> dict[str, Any]:
-    """JSON schema of a reading's file."""
+    """Return the JSON schema of a reading's file."""
     of_reading, constants = Reading.model_json_schema(), configuration_schema()
     sections = {name: part for name, part in constants["properties"].items() if name != "budget"}
     of_reading["properties"]["constants"] |= {
@@ -209,7 +208,7 @@ def reading_schema() -> dict[str, Any]:
 
 
 def _add_methods(overlay: Overlay) -> None:
-    """Make each rule that the files do not speak of a method, like the paper's three."""
+    """Add a method for each rule that the files do not name, configured like the paper's three."""
     methods = overlay.values.get("methods")
     for name in RULES:
         if isinstance(methods, dict) and name not in methods:
@@ -218,15 +217,15 @@ def _add_methods(overlay: Overlay) -> None:
 
 
 def _name(overlay: Overlay, loc: tuple[str, ...], name: str) -> None:
-    """Give a task or budget its name, and a `gym:` task what Gymnasium knows of it."""
+    """Set the name of a task or budget, and the constants of a `gym:` task from Gymnasium."""
     content = overlay.values
     for key in loc:
         content = content.get(key, {}) if isinstance(content, dict) else {}
     if not isinstance(content, dict):
-        return  # the types say what is wrong with it
+        return  # validation reports the error
     if "name" in content:
         source = overlay.source((*loc, "name"))
-        raise UserError(f"{source}: {'.'.join(loc)}.name: unknown key, it is called {name} already")
+        raise UserError(f"{source}: {'.'.join(loc)}.name: unknown key; the name is {name} already")
     content["name"] = name
     if name.startswith("gym:"):
         for key, value in _gymnasium_constants(name).items():
@@ -234,7 +233,7 @@ def _name(overlay: Overlay, loc: tuple[str, ...], name: str) -> None:
 
 
 def _gymnasium_constants(task: str) -> dict[str, Any]:
-    """The constants of the task `gym:ID`: what Gymnasium's registry says of the environment."""
+    """Return the constants of the task `gym:ID` from Gymnasium's registry."""
     import gymnasium
 
     environment = task.removeprefix("gym:")
@@ -244,7 +243,7 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
         )
     try:
         registered = gymnasium.spec(environment)
-        if registered.max_episode_steps is None:  # as for what is gone, which making it tells
+        if registered.max_episode_steps is None:  # also if it was removed: making it says so
             with warnings.catch_warnings(action="ignore"):
                 gymnasium.make(environment, disable_env_checker=True).close()
     except Exception as error:  # the environment is not ours

@@ -1,4 +1,4 @@
-"""The constants of a configuration, a class for each of its sections.
+"""The constants of a configuration: one class for each section.
 
 The classes hold no values: `config/base.yaml` holds every constant with its source.
 """
@@ -29,16 +29,16 @@ from neol.spec.types import (
 
 
 class Task(Model):
-    """A Gymnasium environment and how long an episode of it may be (Section 4.1)."""
+    """A Gymnasium environment with the step limit of an episode (Section 4.1)."""
 
     name: TaskName
-    """Its key under `tasks`; never written in a file."""
+    """Set from the key under `tasks`; never written in a file."""
     environment: EnvironmentName
-    """Gymnasium id, without a module: a file from elsewhere must not have one imported."""
+    """Gymnasium id, without a module, so that a foreign file cannot cause an import."""
     max_steps: PositiveInt
-    """T_max: an episode's limit in environment steps."""
+    """T_max: limit of an episode in environment steps."""
     fresh_world: bool
-    """Make a new environment for every episode: its reset does not forget the one before."""
+    """Make a new environment for every episode, because its reset keeps state of the last one."""
 
 
 class Network(Model):
@@ -48,16 +48,16 @@ class Network(Model):
     sum_limit: PositiveFloat
     """A node's sum is clipped to +- this before its activation."""
     activation_scale: PositiveFloat
-    """And then multiplied by this: an output is tanh(activation_scale * sum)."""
+    """Factor of the clipped sum: an output is tanh(activation_scale * sum)."""
 
 
 class PlasticityConstants(Model):
-    """What all rules share (Section A.3)."""
+    """Constants that all rules share (Section A.3)."""
 
     reward_scale: PositiveFloat
-    """beta."""
+    """Reward scale (beta)."""
     threshold_rate: Annotated[float, Field(gt=0, le=1)]
-    """alpha of the sliding threshold."""
+    """Rate of the sliding threshold (alpha)."""
     weight_limit: PositiveFloat
     """A weight is clipped to +- this after every update."""
     write_back: bool
@@ -65,30 +65,30 @@ class PlasticityConstants(Model):
 
 
 class Plasticity(PlasticityConstants):
-    """The plasticity of a run."""
+    """Plasticity of a run."""
 
     rule: Name
-    """A record may name one that is not known here; no engine plays with it."""
+    """Plasticity rule; a record may name one that is unknown here, which no engine can play."""
     learning_rate: NonNegativeFloat
-    """eta."""
+    """Learning rate (eta)."""
 
     @property
     def learns(self) -> bool:
-        """Whether there is a rule at all."""
+        """Whether the run has a plasticity rule."""
         return self.rule != NO_RULE
 
 
 class Evaluation(Model):
-    """How a genome gets its fitness (Algorithm 2), and the champion its held-out score."""
+    """Evaluation of genomes (Algorithm 2) and of the champion."""
 
     episodes: Annotated[int, Field(ge=1, le=1_000)]
     """N: fitness is the mean return over N episodes."""
     episode_seed: Literal["own", "fixed"]
     """own: each episode has its own environment seed; fixed: all runs play the seeds 0 to N - 1."""
     held_out_episodes: Annotated[int, Field(ge=1, le=100_000)]
-    """Fresh episodes that the champion is evaluated on."""
+    """Number of held-out episodes that evaluate the champion."""
     step_limit: PositiveInt | None
-    """A run ends with the generation that reaches this many environment steps; null: no limit."""
+    """Environment steps after which a run ends with its generation; null: no limit."""
 
 
 class NeatConstants(Model):
@@ -108,51 +108,54 @@ class NeatConstants(Model):
     bias_limit: PositiveFloat
     enabled_mutate_rate: Probability
     crossover_enabled: Literal["random_parent", "stanley", "redraw_if_disabled"]
-    """Whether a matching gene is enabled in the child.
+    """How the child inherits whether a matching gene is enabled.
 
-    random_parent: as in either parent, with equal chance (neat-python 0.92). stanley: the
-    same, and then disabled with `disable_rate` where either parent's is.
-    redraw_if_disabled: disabled with `disable_rate` where either parent's is, otherwise enabled.
+    random_parent: from either parent with equal chance (neat-python 0.92). stanley: the same,
+    then disabled with `disable_rate` if it is disabled in either parent. redraw_if_disabled:
+    disabled with `disable_rate` if it is disabled in either parent, otherwise enabled.
     """
     disable_rate: Probability
-    """Of a gene disabled in either parent; random_parent does not use it."""
+    """Probability that a gene disabled in either parent is disabled in the child.
+
+    random_parent does not use it.
+    """
     add_connection_rate: Probability
-    """m_l."""
+    """Rate of new connections (m_l)."""
     add_node_rate: Probability
-    """m_n."""
+    """Rate of new nodes (m_n)."""
     new_node_bias: Literal["zero", "drawn"]
-    """Bias of a node that splits a connection; drawn: like those of generation 0."""
+    """Bias of a node that splits a connection; drawn: as in generation 0."""
     remove_connection_rate: Probability
     remove_node_rate: Probability
     crossover_rate: Probability
-    """p_c."""
+    """Crossover rate (p_c)."""
     survival_threshold: Annotated[float, Field(gt=0, le=1)]
-    """rho: the fraction of a species that may become parents."""
+    """Fraction of a species that may become parents (rho)."""
     elitism: NonNegativeInt
-    """E: genomes of a species copied unchanged."""
+    """Genomes of each species that are copied unchanged (E)."""
     min_species_size: PositiveInt
     disjoint_coefficient: NonNegativeFloat
-    """c_1."""
+    """Weight of disjoint and excess genes in the distance (c_1)."""
     weight_coefficient: NonNegativeFloat
-    """c_3."""
+    """Weight of the mean weight difference in the distance (c_3)."""
     compatibility_threshold: PositiveFloat
-    """delta_t."""
+    """Largest distance within a species (delta_t)."""
     representative: Literal["founder", "nearest"]
-    """Of a species: its founder for life, or each generation the genome nearest to the last one."""
+    """Representative of a species: its founder, or the genome nearest to the last one."""
     distance_normaliser: Literal["matching", "larger_genome"]
-    """N of the distance."""
+    """N of the distance: the number of matching genes or the size of the larger genome."""
     sharing: Literal["stanley", "literal"]
     max_stagnation: PositiveInt
-    """G_stag: generations without a better best fitness."""
+    """Generations without a better best fitness before a species is removed (G_stag)."""
     species_elitism: NonNegativeInt
-    """Species that never die of stagnation."""
+    """Number of best species that are never removed for stagnation."""
 
 
 class Neat(NeatConstants):
-    """The NEAT of a run."""
+    """NEAT of a run."""
 
     weight_mutation: WeightMutation
-    """WM_MODE: off, config (the rates above) or a probability in place of weight_mutate_rate."""
+    """WM_MODE: off, config (the rates above) or a probability that replaces weight_mutate_rate."""
 
 
 class Method(Model):
@@ -164,30 +167,30 @@ class Method(Model):
 
     @property
     def learns(self) -> bool:
-        """Whether it has a rule at all."""
+        """Whether the method has a plasticity rule."""
         return self.rule != NO_RULE
 
 
 class Budget(Model):
-    """How much a campaign spends."""
+    """Size of a campaign."""
 
     name: Name
-    """The name of its file; never written in it."""
+    """Set from the name of the file; never written in it."""
     generations: ForEachTask
-    """G: of any task, or for each."""
+    """Generations G: one number, or one for each task."""
     seeds: Seeds
-    """Those of each cell; a plain number says how many, from 0 on."""
+    """Seeds of each cell: a number of seeds from 0 on, or a range."""
     populations: Several[PopulationSize]
     learning_rates: Several[NonNegativeFloat]
     """Grid of eta for the methods with a rule."""
     tasks: Several[TaskName]
     methods: Several[MethodName]
     seeds_per_job: ForEachTask
-    """Runs of a cell that one job of the workflow makes: of any task, or for each."""
+    """Runs of a cell in one job of the workflow: one number, or one for each task."""
 
     @property
     def seed_range(self) -> range:
-        """The seeds of each cell."""
+        """Seeds of each cell."""
         chosen = self.seeds
         if isinstance(chosen, int):
             return range(chosen)
@@ -195,15 +198,15 @@ class Budget(Model):
 
     @property
     def seed_count(self) -> int:
-        """How many seeds each cell has."""
+        """Number of seeds of each cell."""
         return len(self.seed_range)
 
     def generations_of(self, task: str) -> int:
-        """G of a task's runs."""
+        """Return the generations G of a task's runs."""
         return _of_task(self.generations, task)
 
     def seeds_per_job_of(self, task: str) -> int:
-        """How many runs one job makes of a task's cell."""
+        """Return the number of runs of a task's cell in one job."""
         return _of_task(self.seeds_per_job, task)
 
 

@@ -1,4 +1,4 @@
-"""What the inputs and outputs of a task's networks mean, from Gymnasium's documentation."""
+"""Names of a task's inputs and outputs, from Gymnasium's documentation."""
 
 from neol.spec.constants import Task
 
@@ -56,11 +56,14 @@ NAMES = {
     "BipedalWalker-v3": _WALKER,
     "BipedalWalkerHardcore-v3": _WALKER,
 }
-"""Of inputs and of outputs, by Gymnasium id."""
+"""Names of inputs and of outputs, by Gymnasium id."""
 
 
 def size_of(environment: str) -> tuple[int, int] | None:
-    """How many inputs and outputs one of these has: to make one and ask it takes seconds."""
+    """Return the numbers of inputs and outputs of a listed environment, without making it.
+
+    Making an environment takes seconds. None for one that is not listed.
+    """
     if environment not in NAMES:
         return None
     inputs, outputs = NAMES[environment]
@@ -68,7 +71,7 @@ def size_of(environment: str) -> tuple[int, int] | None:
 
 
 def names(task: Task, inputs: int, outputs: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The names of inputs and outputs; "input 1" and the like where the task has none."""
+    """Return the names of inputs and outputs; "input 1" and so on for a task without names."""
     if task.environment in NAMES:
         return NAMES[task.environment]
     return (

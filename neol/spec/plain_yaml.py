@@ -1,4 +1,4 @@
-"""YAML 1.2 from anyone: plain values only, and no more of them than a configuration needs."""
+"""YAML 1.2 from untrusted files: plain values only, in the amount that a configuration needs."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -14,13 +14,13 @@ from neol.base.files import read_bounded
 
 MAX_BYTES = 2**18
 MAX_VALUES = 2**15
-"""With every alias written out: a few lines of aliases to aliases could stand for billions."""
+"""Limit with every alias expanded: a few lines of nested aliases could stand for billions."""
 PLAIN = {f"tag:yaml.org,2002:{k}" for k in ("null", "bool", "int", "float", "str", "seq", "map")}
-"""What JSON has: no dates, sets, bytes or merged mappings."""
+"""Types of JSON: no dates, sets, bytes or merged mappings."""
 
 
 class _PlainConstructor(SafeConstructor):
-    """Looks at all values before it makes any of them."""
+    """Constructor that checks all values before it makes any."""
 
     def construct_document(self, node: Node) -> Any:
         waiting, seen = [node], 0
@@ -46,7 +46,7 @@ def _refuse(problem: str, node: Node) -> None:
 
 
 def read_yaml(path: Path, name: str) -> Any:
-    """The content of a YAML file: None, bool, int, float, str, lists and dictionaries of them.
+    """Return the content of a YAML file: None, bool, int, float, str, lists and dictionaries.
 
     Raises UserError, one line that begins with `name`, for anything else.
     """
@@ -57,20 +57,20 @@ def read_yaml(path: Path, name: str) -> Any:
     return parse_yaml(text, name)
 
 
-@lru_cache(maxsize=64)  # a study lays each variant's few constants over the same files
+@lru_cache(maxsize=64)  # a study overlays the same files with each variant's constants
 def parse_yaml(text: str, name: str) -> Any:
-    """The same of a text. Whoever asks again gets the same object: it is not to be changed."""
+    """Return the content of a YAML text. It is cached and shared: callers must not change it."""
     yaml = YAML(typ="safe", pure=True)  # not libyaml, which reads YAML 1.1
     yaml.Constructor = _PlainConstructor
     try:
         return yaml.load(text)
     except MarkedYAMLError as error:
         line = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        problem, _, _ = error.problem.partition(" with value ")  # of a key's second, of any length
+        problem, _, _ = error.problem.partition(" with value ")  # the value may be long
         raise UserError(f"{name}{line}: {problem}") from None
     except YAMLError as error:
         raise UserError(f"{name}: {str(error).splitlines()[0]}") from None
     except RecursionError:
         raise UserError(f"{name}: nested too deeply") from None
-    except (ValueError, KeyError) as error:  # !!int one, a number of thousands of digits
+    except (ValueError, KeyError) as error:  # !!int one, or thousands of digits
         raise UserError(f"{name}: not a value of its kind ({error})") from None

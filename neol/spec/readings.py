@@ -1,7 +1,7 @@
-"""Readings: named sets of constants where the paper is silent, a file each in `config/readings/`.
+"""Readings: named sets of constants where the paper is silent, one file each in `config/readings/`.
 
-`config/base.yaml` is the reading `default`. A label names a reading, with further constants that
-are changed: `first`, or `first+plasticity.reward_scale=0.1`. It is part of the paths of records.
+`config/base.yaml` is the reading `default`. A label is a reading's name, optionally with changed
+constants: `first`, or `first+plasticity.reward_scale=0.1`. It is part of the paths of records.
 """
 
 import json
@@ -16,33 +16,33 @@ from neol.spec.sources import Overlay
 from neol.spec.types import NAME, Model, Text
 
 DEFAULT_READING = "default"
-"""The constants of config/base.yaml."""
+"""Reading that is config/base.yaml itself."""
 FIRST_READING = "first"
-"""That of all records that name none: they are older than readings."""
+"""Reading of all records that name none, because they are older than readings."""
 
 
 class Reading(Model):
-    """A reading of the paper, but for its name, which is its file's."""
+    """A reading of the paper; its name is that of its file."""
 
     summary: Text
-    """What distinguishes it, in one sentence."""
+    """What distinguishes this reading, in one sentence."""
     speaks_for: Text
-    """What in the paper, or in its numbers, speaks for it."""
+    """Evidence for it in the paper or its numbers."""
     speaks_against: Text
-    """What speaks against it."""
+    """Evidence against it."""
     constants: dict[Text, dict[Text, Any]]
-    """By section of config/base.yaml; all others are as there."""
+    """Changed constants by section of config/base.yaml; all others keep their values."""
 
 
 def readings(folder: Path) -> list[str]:
-    """The names of the readings in a folder."""
+    """Return the names of the readings in a folder."""
     return sorted(path.stem for path in folder.glob("*.yaml"))
 
 
 def read_reading(folder: Path, name: str) -> Reading:
-    """A reading of a folder.
+    """Return a reading of a folder.
 
-    Raises UserError for one that is not there, that is damaged, or that sets the budget.
+    Raises UserError for one that is missing, damaged, or sets the budget.
     """
     known = readings(folder)
     if name not in known:
@@ -65,9 +65,9 @@ def read_reading(folder: Path, name: str) -> Reading:
 
 
 def split_label(label: str) -> tuple[str, list[str]]:
-    """A reading's name, and the constants that are changed: like "neat.elitism=3".
+    """Split a label into a reading's name and its changes, like "neat.elitism=3".
 
-    Raises UserError where the budget is among them.
+    Raises UserError where a change sets the budget.
     """
     name, *changes = re.split(r"\+(?=[A-Za-z_])", label)
     for change in changes:
@@ -77,12 +77,12 @@ def split_label(label: str) -> tuple[str, list[str]]:
 
 
 def with_changes(label: str, changes: object) -> str:
-    """A label with changes more: of "first" and "a.b=1,c.d=2" it is "first+a.b=1+c.d=2"."""
+    """Add changes to a label: "first" and "a.b=1,c.d=2" give "first+a.b=1+c.d=2"."""
     return "+".join([label, *filter(None, str(changes or "").split(","))])
 
 
 def make_label(name: str, changes: dict[str, Any]) -> str:
-    """The one label of a reading and changed constants, whatever their order.
+    """Return the label of a reading with changed constants; their order does not matter.
 
     Raises UserError for a value that cannot be part of a path.
     """

@@ -1,4 +1,4 @@
-"""The specification of a run: everything that its trajectory is a function of."""
+"""The specification of a run: everything that determines its trajectory."""
 
 import hashlib
 import json
@@ -25,15 +25,15 @@ ADDED_LATER: dict[str, dict[str, Any]] = {
         "representative": "founder",
     },
 }
-"""Constants that became switches after the first records, each with the value that these had.
+"""Constants that became switches after the first records, with the value that those records used.
 
-A specification leaves a constant out where it has this value, so that those records keep their
-digests; one that leaves it out has this value.
+A specification omits a constant that has this value, so those records keep their digests; an
+omitted constant has this value.
 """
 
 
 class RunSpec(Model):
-    """Everything that a run's trajectory is a function of."""
+    """Everything that determines a run's trajectory."""
 
     task: Task
     method: Name
@@ -71,15 +71,15 @@ class RunSpec(Model):
         return self
 
     def without_seed(self) -> dict[str, Any]:
-        """What the runs of a record share, as JSON has it."""
+        """Return as JSON data what the runs of a record share."""
         return self._json("seed")
 
     def digest(self) -> str:
-        """SHA-256 in hex of the specification without its seed."""
+        """Return the SHA-256 in hex of the specification without its seed."""
         return _sha256(self.without_seed())
 
     def trajectory_key(self) -> str:
-        """SHA-256 in hex without `generations`: runs that share it are prefixes of each other."""
+        """Return the SHA-256 in hex without `generations`; runs that share it share their start."""
         return _sha256(self._json("generations"))
 
     def _json(self, left_out: str) -> dict[str, Any]:
@@ -92,7 +92,7 @@ class RunSpec(Model):
 
 
 def complete(content: dict[str, Any]) -> dict[str, Any]:
-    """A specification as JSON, with what it leaves out (`ADDED_LATER`)."""
+    """Return a specification as JSON data with the constants that it omits (`ADDED_LATER`)."""
     return content | {
         section: old | content[section]
         for section, old in ADDED_LATER.items()
@@ -101,7 +101,7 @@ def complete(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def canonical_json(content: Any) -> bytes:
-    """The one JSON of a content, whatever the order of its keys."""
+    """Return the canonical JSON of a content; the order of its keys does not matter."""
     return json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 

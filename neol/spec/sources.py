@@ -1,4 +1,4 @@
-"""YAML files laid over each other, every value remembering where it came from."""
+"""YAML files laid over each other; every value remembers its source."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,7 +8,7 @@ from neol.base.errors import UserError
 from neol.spec.plain_yaml import parse_yaml, read_yaml
 
 DEEPEST = 10
-"""Keys in a path of them; the configuration's are shorter."""
+"""Limit of the keys in a path; those of the configuration are shorter."""
 
 
 def by_dotted_key(content: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
@@ -23,7 +23,7 @@ def by_dotted_key(content: Mapping[str, Any], prefix: str = "") -> dict[str, Any
 class Overlay:
     """Nested dictionaries merged key by key; `values` is the result.
 
-    Raises UserError, in one line, for what cannot be read.
+    Raises UserError (one line) for input that cannot be read.
     """
 
     def __init__(self) -> None:
@@ -32,16 +32,16 @@ class Overlay:
         self._options: dict[tuple[str, ...], str] = {}
 
     def add_file(self, path: Path) -> None:
-        """Lay a YAML file over what is there."""
+        """Lay a YAML file over the present values."""
         name = f"{path.parent.name}/{path.name}"
         content = read_yaml(path, name)
         if not isinstance(content, dict):
             raise UserError(f"{name}: must be a mapping of keys to values")
-        self._sources[()] = name  # whoever leaves a key out, the last file is the place to mend it
+        self._sources[()] = name  # a missing key is to be added in the last file
         self._merge(self.values, content, name, ())
 
     def add_override(self, override: str) -> None:
-        """Lay one value over what is there, written like "neat.elitism=3" (--set)."""
+        """Lay one value over the present ones, written like "neat.elitism=3" (--set)."""
         key, equals, value = override.partition("=")
         path = key.strip().split(".")
         if not (equals and all(path) and len(path) <= DEEPEST):
@@ -49,22 +49,22 @@ class Overlay:
         self.add(tuple(path), parse_yaml(value, f"--set {override}"), "--set")
 
     def add_option(self, option: str, loc: tuple[str, ...], value: str) -> None:
-        """Lay the value of a command line's option over what is there."""
+        """Lay the value of a command-line option over the present values."""
         self.add(loc, parse_yaml(value, f"{option} {value}"), option)
         self._options[loc] = option
 
     def source(self, loc: tuple[str, ...]) -> str:
-        """Where the value at a path of keys came from: a file's name, --set or an option."""
+        """Return the source of the value at a path of keys: a file's name, --set or an option."""
         while loc and loc not in self._sources:
             loc = loc[:-1]
         return self._sources[loc]
 
     def place(self, loc: tuple[str, ...]) -> str:
-        """What a user has to mend for the value at a path of keys: an option, or a source's key."""
+        """Return what the user must fix for the value at a path of keys: an option or a key."""
         return self._options.get(loc) or f"{self.source(loc)}: {'.'.join(loc)}"
 
     def add(self, loc: tuple[str, ...], content: Any, source: str) -> None:
-        """Lay a value over what is there."""
+        """Lay a value over the present ones."""
         for key in reversed(loc):
             content = {key: content}
         self._merge(self.values, content, source, ())

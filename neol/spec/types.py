@@ -1,4 +1,4 @@
-"""The base of everything that is read from a file, and the types of its fields."""
+"""Base class of everything that is read from a file, and the types of its fields."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from neol.network.rules import NO_RULE, RULES, WITHOUT_RULE
 
 
 class Model(BaseModel):
-    """Immutable, strict about types, without unknown keys and without infinities."""
+    """Immutable data with strict types, known keys and finite numbers only."""
 
     model_config = ConfigDict(
         frozen=True,
@@ -33,14 +33,14 @@ class Model(BaseModel):
 
 
 Probability = Annotated[float, Field(ge=0, le=1)]
-_LARGEST = 2**53  # compiled loops count so far, and every reader of JSON holds it exactly
+_LARGEST = 2**53  # compiled loops count this far, and every reader of JSON stores it exactly
 PositiveInt = Annotated[int, Field(ge=1, le=_LARGEST)]
 NonNegativeInt = Annotated[int, Field(ge=0, le=_LARGEST)]
-LARGEST_SEED = 2**63 - 1  # what a record's column holds
+LARGEST_SEED = 2**63 - 1  # the largest integer of a record's column
 Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 PositiveFloat = Annotated[float, Field(gt=0)]
 NonNegativeFloat = Annotated[float, Field(ge=0)]
-PopulationSize = Annotated[int, Field(ge=2, le=100_000)]  # a slip of the hand would fill the memory
+PopulationSize = Annotated[int, Field(ge=2, le=100_000)]  # a typing error must not fill the memory
 Text = Annotated[str, Field(min_length=1)]
 Item = TypeVar("Item")
 
@@ -60,7 +60,7 @@ Several = Annotated[
 
 @dataclass(frozen=True, slots=True)
 class _OneOf:
-    """Allows a string among names that are asked for each time: rules may be added."""
+    """Check that a string is one of some names, read at each check because rules may be added."""
 
     names: Callable[[], Sequence[str]]
 
@@ -88,7 +88,7 @@ MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES])]
 
 
 def _in_words(sentence: LiteralString) -> WrapValidator:
-    """Say in one sentence what is allowed, where pydantic would show a pattern or each member."""
+    """Replace pydantic's pattern or list of union members by one sentence on what is allowed."""
 
     def check(value: Any, validate: ValidatorFunctionWrapHandler) -> Any:
         try:
@@ -100,7 +100,7 @@ def _in_words(sentence: LiteralString) -> WrapValidator:
 
 
 NAME = r"\w[\w.+-]*"
-"""A name as part of paths and commands: no slash, space, quote or dollar, no dot or dash first."""
+"""A name in paths and commands: no slash, space, quote or dollar; no dot or dash first."""
 Name = Annotated[
     str,
     Field(pattern=f"^{NAME}$", max_length=100),
@@ -120,7 +120,7 @@ EnvironmentName = Annotated[
     _in_words("must be Gymnasium's ID of an environment, without a module"),
 ]
 Label = Annotated[str, Field(pattern=rf"^{NAME}(=[\w.+=-]*)?$", max_length=1000)]
-"""A reading's name, with the constants that are changed: see neol.spec.readings."""
+"""A reading's name, followed by changed constants (see neol.spec.readings)."""
 WeightMutation = Annotated[
     Literal["off", "config"] | Probability,
     _in_words("must be 'off', 'config' or a probability from 0 to 1"),

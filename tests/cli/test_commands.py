@@ -140,7 +140,7 @@ def test_wrong_seeds(text: str) -> None:
         ("--learning-rate -0.1", "learning_rate = -0.1: must be"),
         ("--learning-rate nan", "learning_rate = nan: must be"),
         ("--generations 0", "generations = 0: must be"),
-        ("--method neat", "neat does not learn online, leave it out"),
+        ("--method neat", "neat does not learn online; leave it out"),
         ("--seed x", "--seed x: give integers"),
         ("--episodes 0", "neol: --episodes = 0: must be"),
         ("--max-steps 0", "neol: --max-steps = 0: must be"),

@@ -103,7 +103,7 @@ def test_a_file_that_is_not_allowed(
 
 def test_no_file_of_a_budget_names_a_reading() -> None:
     text = refusal(load_configuration, "smoke", ["reading=first"])
-    assert text == "--set: reading: unknown key; --reading names it"
+    assert text == "--set: reading: unknown key; --reading sets it"
 
 
 def test_the_schema_is_that_of_the_types() -> None:

@@ -113,7 +113,7 @@ def test_any_gymnasium_environment_is_a_task():
     [
         ({"task": "hoper"}, 'unknown task "hoper", did you mean "hopper"? (allowed: cartpole, '),
         ({"task": "gym:Acrobat-v1"}, 'task "gym:Acrobat-v1": Environment `Acrobat` doesn\'t exist'),
-        ({"task": "gym:Blackjack-v1"}, "gym:Blackjack-v1: Gymnasium sets it no limit of steps"),
+        ({"task": "gym:Blackjack-v1"}, "gym:Blackjack-v1: Gymnasium sets no step limit for it"),
         ({"task": "gym:Ant-v2"}, 'task "gym:Ant-v2": The mujoco v2 and v3 based environments have'),
         ({"task": "gym:this:Env-v0"}, 'task "gym:this:Env-v0": no module is imported'),
         ({"task": "gym:"}, 'task "gym:": Malformed environment ID'),
@@ -130,7 +130,7 @@ def test_any_gymnasium_environment_is_a_task():
         ({"learning_rate": -0.1}, "learning_rate = -0.1: must be greater than or equal to 0"),
         ({"learning_rate": float("nan")}, "learning_rate = nan: must be a finite number"),
         ({"learning_rate": None}, "hebb needs a learning rate (budget paper has 0.00025, "),
-        ({"method": "neat"}, "learning_rate = 0.25: neat does not learn online, leave it out"),
+        ({"method": "neat"}, "learning_rate = 0.25: neat does not learn online; leave it out"),
         ({"method": "neat_wo"}, "learning_rate = 0.25: neat_wo does not learn online"),
     ],
 )
