@@ -1,1 +1,1 @@
-"""Champions after their runs: replayed, filmed, drawn, compared, exported."""
+"""Champions of finished runs: replay, layout of their networks, export."""

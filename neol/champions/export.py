@@ -1,4 +1,4 @@
-"""Champions for other programs: their networks, with the weights that an episode begins with."""
+"""Export of champions to other programs: their networks, with the initial weights of an episode."""
 
 import contextlib
 from typing import Literal
@@ -13,11 +13,11 @@ from neol.spec.types import Model
 
 
 class Discrete(Model):
-    """The action is the first of the largest outputs."""
+    """The action is the index of the largest output; of equals the first."""
 
     kind: Literal["discrete"] = "discrete"
     start: int
-    """Of the actions' numbers: the action is this plus the output's place."""
+    """Number of the first action: the action is this plus the output's index."""
 
 
 class Continuous(Model):
@@ -27,21 +27,21 @@ class Continuous(Model):
     low: tuple[float, ...]
     high: tuple[float, ...]
     dtype: str
-    """Of numpy: what the environment takes; its reward may depend on it."""
+    """Numpy dtype of the action; the environment's reward may depend on it."""
 
 
 class Node(Model):
-    """Its activity is activation(scale * clip(bias + weights * sources)), summed in this order."""
+    """A node with activity activation(scale * clip(bias + weights * sources)), summed in order."""
 
     activation: Literal["tanh", "relu", "sigmoid", "identity"]
     bias: float
     sources: tuple[int, ...]
-    """Places among all activities: the inputs', then the nodes' in their order."""
+    """Places among all activities: first the inputs, then the nodes in their order."""
     weights: tuple[float, ...]
 
 
 class Exported(Model):
-    """A network that plays a task. All numbers are exact: the shortest that read back the same."""
+    """A network that plays a task. Numbers are exact: the shortest that read back equal."""
 
     format: Literal["neol-network"] = "neol-network"
     version: Literal[1] = 1
@@ -52,19 +52,19 @@ class Exported(Model):
     seed: int
     fitness: float
     inputs: tuple[str, ...]
-    """What each entry of an observation is."""
+    """Name of each entry of an observation."""
     outputs: tuple[str, ...]
     action: Discrete | Continuous
     sum_limit: float
     """A node's sum is clipped to +- this."""
     activation_scale: float
-    """And then multiplied by this."""
+    """Factor of the clipped sum."""
     nodes: tuple[Node, ...]
-    """In an order in which they can be computed; the last ones are the outputs."""
+    """Nodes in topological order; the last ones are the outputs."""
 
 
 def export(player: Player) -> Exported:
-    """A champion's network."""
+    """Return a champion's network for export."""
     spec, network = player.spec, player.network
     inputs, outputs = names(spec.task, network.inputs, network.outputs)
     count = len(network.bias)
@@ -96,7 +96,7 @@ def export(player: Player) -> Exported:
 
 
 def to_json(player: Player) -> bytes:
-    """The network as `Exported` in JSON."""
+    """Return the network as JSON of class `Exported`."""
     return export(player).model_dump_json(indent=1).encode() + b"\n"
 
 
@@ -106,6 +106,6 @@ def _action(player: Player) -> Discrete | Continuous:
     if isinstance(space, gymnasium.spaces.Discrete):
         return Discrete(start=int(space.start))
     assert isinstance(space, gymnasium.spaces.Box)
-    # Outputs are within +-1, so that is no other bound than an infinite one.
+    # Outputs are within +-1, so this bound acts like an infinite one.
     low, high = np.maximum(space.low, -1.0), np.minimum(space.high, 1.0)
     return Continuous(low=tuple(low.tolist()), high=tuple(high.tolist()), dtype=str(space.dtype))

@@ -1,4 +1,4 @@
-"""A network as a graph: its layers, which it evolved without, and where a picture puts its nodes.
+"""A network as a graph: layers derived from its connections, and places of its nodes in a picture.
 
 A node is a position as in `neol.network.forward.Networks`: inputs, hidden nodes, outputs.
 """
@@ -14,23 +14,23 @@ from neol.neat.genome import Pool
 from neol.network.forward import Networks
 
 Edge = tuple[int, int]
-"""Source and target."""
+"""Source and target node of a connection."""
 
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """What a picture of a champion's network shows."""
+    """Content of a picture of a champion's network."""
 
     places: dict[int, tuple[float, float]]
-    """x and y of a node, from 0 to 1; hidden nodes without an enabled connection have none."""
+    """x and y of each node, from 0 to 1; hidden nodes without an enabled connection have none."""
     enabled: list[Edge]
-    """In the order of the network's weights."""
+    """Enabled connections in the order of the network's weights."""
     disabled: list[Edge]
-    """Of the disabled genes those between nodes that have a place."""
+    """Disabled connections between nodes that have a place."""
 
 
 def graph(player: Player) -> Graph:
-    """The graph of a champion's network."""
+    """Return the graph of a champion's network."""
     network, genes = player.network, player.genome.connections
     pool = Pool.of([player.genome])
     _, gene = decode(pool, network.inputs, network.outputs, player.spec.network)
@@ -51,16 +51,16 @@ def graph(player: Player) -> Graph:
 
 
 def edges(network: Networks) -> list[Edge]:
-    """The connections of a single network, in the order of its weights."""
+    """Return the connections of a single network, in the order of its weights."""
     nodes = network.inputs + np.arange(len(network.bias))
     targets = np.repeat(nodes, np.diff(network.edge_offset))
     return list(zip(network.source.tolist(), targets.tolist(), strict=True))
 
 
 def layers(network: Networks) -> list[list[int]]:
-    """The nodes of a single network by depth: inputs, hidden layers, outputs.
+    """Return the nodes of a single network by depth: inputs, hidden layers, outputs.
 
-    A hidden node is one layer behind the last that feeds it; outputs share the last layer.
+    A hidden node is one layer behind its deepest source; outputs share the last layer.
     """
     nodes = network.inputs + len(network.bias)
     first_output = nodes - network.outputs
@@ -73,7 +73,7 @@ def layers(network: Networks) -> list[list[int]]:
 
 
 def _places(network: Networks, enabled: list[Edge]) -> dict[int, tuple[float, float]]:
-    """A column for each layer; within it a hidden node is about as high as what feeds it."""
+    """Place each layer in a column; a hidden node is about as high as its sources."""
     touched = {node for edge in enabled for node in edge}
     first, *hidden, last = layers(network)
     shown = [[node for node in layer if node in touched] for layer in hidden]
@@ -86,7 +86,7 @@ def _places(network: Networks, enabled: list[Edge]) -> dict[int, tuple[float, fl
 
     for column, nodes in enumerate(columns):
         outer = nodes in (first, last)
-        # Hidden nodes stand between the rows, alternately, so that fewer lines run through them.
+        # Hidden nodes alternate between the rows, so that fewer lines cross them.
         shift = 0.0 if outer else (-1) ** column * 0.2
         for row, node in enumerate(nodes if outer else sorted(nodes, key=height, reverse=True)):
             places[node] = column / (len(columns) - 1), 1 - (row + 0.5 + shift) / len(nodes)

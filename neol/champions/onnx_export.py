@@ -1,4 +1,4 @@
-"""Champions as ONNX, for any runtime of that format. Needs the package onnx."""
+"""Export of champions as ONNX models; needs the package onnx."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -14,18 +14,18 @@ from neol.champions.player import Floats, Player
 from neol.network.forward import Networks
 
 OPSET, IR_VERSION = 17, 8
-"""Of 2022, so that not only the newest runtimes read it."""
+"""Operator set of 2022, which older runtimes read too."""
 _IN_THE_GRAPH = {"action", "nodes", "sum_limit", "activation_scale", "format"}
 _OPERATORS = {"tanh": "Tanh", "relu": "Relu", "sigmoid": "Sigmoid", "identity": "Identity"}
 
 
 def to_onnx(player: Player) -> bytes:
-    """The network as an ONNX model in float64.
+    """Return the network as an ONNX model in float64.
 
-    Input `observation`, float64[batch, I]; outputs `outputs`, float64[batch, O], and `action`, as
-    the environment takes it. A layer is one matrix product, which may add in another order than
-    `neol.network.forward.forward`: outputs may differ in the last bits.
-    Raises UserError where the package onnx is not installed.
+    Input `observation`, float64[batch, I]; outputs `outputs`, float64[batch, O], and `action` in
+    the environment's form. A layer is one matrix product, which may add in another order than
+    `neol.network.forward.forward`, so outputs may differ in the last bits.
+    Raises UserError if the package onnx is not installed.
     """
     try:
         import onnx
@@ -51,20 +51,20 @@ def to_onnx(player: Player) -> bytes:
 
 @dataclass(slots=True)
 class _Computation:
-    """Operations on values that have names, from `observation` to `outputs` and `action`."""
+    """Operations on named values, from `observation` to `outputs` and `action`."""
 
     operations: list[Any] = field(default_factory=list)
     constants: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
 
     def add(self, operator: str, operands: list[str], result: str, **attributes: Any) -> str:
-        """Compute a value; returns its name."""
+        """Add an operation and return the name of its result."""
         from onnx import helper
 
         self.operations.append(helper.make_node(operator, operands, [result], **attributes))
         return result
 
     def graph(self, inputs: int, outputs: int, action: Any) -> Any:
-        """The whole of it; `action` is that output's description."""
+        """Return the complete graph; `action` is the description of that output."""
         from onnx import TensorProto, helper, numpy_helper
 
         constants = [numpy_helper.from_array(value, name) for name, value in self.constants.items()]
@@ -78,7 +78,7 @@ class _Computation:
 
 
 def _add_layers(computation: _Computation, player: Player) -> None:
-    """From `observation` to `outputs`: a matrix product for each layer."""
+    """Compute `outputs` from `observation`: one matrix product for each layer."""
     limit = player.network.sum_limit
     computation.constants |= {"low_sum": np.array(-limit), "high_sum": np.array(limit)}
     computation.constants["scale"] = np.array(player.network.activation_scale)
@@ -99,7 +99,7 @@ def _add_layers(computation: _Computation, player: Player) -> None:
 
 
 def _add_action(computation: _Computation, action: Discrete | Continuous, outputs: int) -> Any:
-    """From `outputs` to `action`; returns its description."""
+    """Compute `action` from `outputs` and return its description."""
     from onnx import TensorProto, helper
 
     if isinstance(action, Discrete):
@@ -116,7 +116,7 @@ def _add_action(computation: _Computation, action: Discrete | Continuous, output
 
 
 def matrices(network: Networks) -> Iterator[tuple[Floats, Floats]]:
-    """Weights, float64[all nodes before it, its nodes], and biases of each layer but the inputs."""
+    """Yield each layer's weights, float64[nodes before it, its nodes], and biases; no inputs."""
     first, *others = layers(network)
     column = {node: place for place, node in enumerate(first)}
     incoming = list(zip(edges(network), network.weight.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""A champion that plays again: in the episodes of its record, watched step by step."""
+"""Replay of a champion: episodes of its record or new ones, step by step."""
 
 import contextlib
 import math
@@ -28,17 +28,17 @@ class Trace:
     """An episode of T steps by a network of I inputs, M computed nodes and E connections."""
 
     observations: Floats
-    """float64[T, I]: what each action was chosen by."""
+    """float64[T, I]: the observation that each action was chosen from."""
     activities: Floats
-    """float64[T, M]: of the hidden nodes, then of the outputs, that chose it."""
+    """float64[T, M]: activities of hidden nodes, then of outputs, that chose each action."""
     actions: npt.NDArray[np.generic]
-    """[T], or [T, A] where actions are continuous: as the environment got them."""
+    """[T], or [T, A] for continuous actions: as passed to the environment."""
     rewards: Floats
     """float64[T]."""
     weights: Floats
     """float64[T + 1, E]: before the episode and after each step."""
     thresholds: Floats
-    """float64[T + 1, M]: BCM's theta, likewise."""
+    """float64[T + 1, M]: BCM's theta, before the episode and after each step."""
     episode_return: float
     """Sum of the rewards; NaN if the episode failed."""
 
@@ -48,18 +48,18 @@ class Trace:
 
 @dataclass(frozen=True, slots=True)
 class Player:
-    """A champion with all that its run's specification says of how it plays and learns."""
+    """A champion with the specification of its run, which says how it plays and learns."""
 
     spec: RunSpec
     genome: Genome
     network: Networks
-    """A batch of one; its weights are those that every episode begins with."""
+    """Batch of one network; every episode begins with its weights."""
     recorded_returns: tuple[float, ...]
-    """Of the held-out episodes of its record; NaN where one failed."""
+    """Returns of the record's held-out episodes; NaN where one failed."""
 
     @property
     def held_out_seeds(self) -> tuple[int, ...]:
-        """The seeds of the record's held-out episodes."""
+        """Seeds of the record's held-out episodes."""
         return tuple(held_out_seeds(self.spec.seed, len(self.recorded_returns))[0].tolist())
 
     def play(
@@ -70,10 +70,10 @@ class Player:
         engine: ReferenceEngine | None = None,
         observe: Observer | None = None,
     ) -> Trace:
-        """Play the episode of a seed; in Gymnasium, whatever engine the run had.
+        """Play the episode of a seed in Gymnasium, whichever engine the run used.
 
-        `plastic_steps` switches plasticity off after so many steps. `observe` sees each step too,
-        and `engine` is one of this task with a render mode, or to be used again.
+        `plastic_steps` is the step after which plasticity stops. `observe` is called with each
+        step. `engine` is an engine of this task with a render mode, or one to be reused.
         """
         recorder = _Recorder(self.network)
 
@@ -89,9 +89,9 @@ class Player:
         return recorder.trace(total)
 
     def evaluate(self, seeds: npt.ArrayLike) -> Floats:
-        """The returns of the episodes of some seeds, on the fastest engine: float64[episodes].
+        """Return the returns of some seeds' episodes on the fastest engine: float64[episodes].
 
-        As in the held-out episodes each begins with the champion's own weights. NaN: failed.
+        Each episode begins with the champion's own weights, as held-out ones do. NaN: failed.
         """
         column = np.asarray(seeds, dtype=np.uint64).reshape(-1, 1)
         inputs, outputs = self.network.inputs, self.network.outputs
@@ -103,10 +103,10 @@ class Player:
 
 
 def load_champion(record: Path | str, seed: int | None = None) -> Player:
-    """The champion of one of a record's runs, the first one's where no seed is named.
+    """Load the champion of one of a record's runs, by default of the first.
 
-    Raises UserError for a record that cannot be read, does not hold the seed, or is of another
-    environment than the one of that name here.
+    Raises UserError for a record that cannot be read, does not hold the seed, or was made with
+    another environment of the same name.
     """
     read = read_record(Path(record))
     try:
@@ -130,7 +130,7 @@ def _player(record: Record, info: SeedInfo) -> Player:
 
 
 class _Recorder:
-    """Copies every step of an episode."""
+    """Recorder that copies every step of an episode."""
 
     def __init__(self, network: Networks) -> None:
         self._network = network
@@ -148,7 +148,7 @@ class _Recorder:
         self._thresholds.append(step.threshold.copy())
 
     def trace(self, episode_return: float) -> Trace:
-        """What was seen."""
+        """Return the recorded episode."""
         inputs = self._network.inputs
         values = np.array(self._values).reshape(-1, inputs + len(self._network.bias))
         return Trace(

@@ -1,1 +1,1 @@
-"""NEAT: genomes, variation, breeding, species, reproduction. Knows no environment."""
+"""NEAT: genomes, variation, breeding, species, reproduction; independent of any environment."""

@@ -1,4 +1,4 @@
-"""Breeding: from parents to children, by crossover and whatever mutations chance brings.
+"""Breeding: children from parents by crossover and random mutations.
 
 `nodes` and `connections` are a genome's arrays, NODE[n] and CONNECTION[c]; `random` is the state of
 a random stream, uint64[4] (see neol.random.pcg64).
@@ -30,7 +30,7 @@ from neol.random.pcg64 import State, next_double
 from neol.spec.constants import Neat
 
 PARENTS = np.dtype([("fitter", np.int64), ("other", np.int64), ("elite", np.bool_)], align=True)
-"""Of one child, by their places. An elite is no child but its parent's copy."""
+"""Places of one child's parents; an elite is copied unchanged."""
 
 
 FLAG_RULES = {
@@ -41,7 +41,7 @@ FLAG_RULES = {
 
 
 class Rates(NamedTuple):
-    """The constants of variation."""
+    """Constants of variation."""
 
     flags: Flags
     add_connection: float
@@ -55,10 +55,10 @@ class Rates(NamedTuple):
 
     @classmethod
     def of(cls, neat: Neat) -> "Rates":
-        """The configured rates; those of weights and biases follow WM_MODE (lines 22-27).
+        """Return the configured rates; those of weights and biases follow WM_MODE (lines 22-27).
 
-        off: none is mutated. config: each is perturbed with its mutate rate, or replaced by a
-        fresh one with its replace rate. A probability p: each is perturbed with p in place of
+        off: no value is mutated. config: each is perturbed with its mutate rate, or replaced by a
+        new one with its replace rate. A probability p: each is perturbed with p, which replaces
         both mutate rates, and none is replaced.
         """
         weight_rates = neat.weight_mutate_rate, neat.weight_replace_rate
@@ -90,7 +90,7 @@ def breed_all(
     innovations: Innovations,
     random: State,
 ) -> Pool:
-    """The children of PARENTS[n], whose places are those in a pool: a pool of n genomes."""
+    """Return a pool of n genomes: the children of PARENTS[n], which are places in a pool."""
     fitter, offsets = parents["fitter"], np.zeros((2, len(parents) + 1), dtype=np.int64)
     # A child has at most one node and three connections more than its fitter parent.
     most_nodes = int(np.sum(np.diff(pool.node_offset)[fitter] + 1))
@@ -106,10 +106,10 @@ def breed_all(
 
 
 def _room(rows: int, dtype: np.dtype[np.void]) -> npt.NDArray[np.void]:
-    """An array of at least so many rows, a power of two.
+    """Return an array of at least `rows` rows, rounded up to a power of two.
 
-    Sizes that change with every generation would make malloc ask the system for new pages each
-    time; a size that comes back gets those of the last but one generation.
+    If sizes changed with every generation, malloc would ask the system for new pages each time;
+    a repeated size reuses those of the last but one generation.
     """
     return np.empty(2 ** rows.bit_length(), dtype=dtype)
 
@@ -125,7 +125,7 @@ def _breed_all(
     random: State,
     children: Pool,
 ) -> None:
-    """Write the children of PARENTS[n], by their places in a pool, into the pool `children`."""
+    """Write the children of PARENTS[n], which are places in a pool, into the pool `children`."""
     nodes, node_offset, connections, connection_offset = children
     for child in range(len(parents)):
         one_nodes, one_connections = genome_in(pool, parents[child].fitter)
@@ -153,7 +153,7 @@ def _breed_all(
 
 @kernel
 def genome_in(pool: Pool, place: int) -> tuple[Genes, Genes]:
-    """Nodes and connections of one of a pool's genomes."""
+    """Return the nodes and connections of one of a pool's genomes."""
     node, connection = pool.node_offset, pool.connection_offset
     return (
         pool.nodes[node[place] : node[place + 1]],
@@ -174,9 +174,9 @@ def breed(
     innovations: Innovations,
     random: State,
 ) -> tuple[Genes, Genes]:
-    """A child's nodes and connections (lines 17-27; removal as named in Section 3.1).
+    """Return a child's nodes and connections (lines 17-27; removal as named in Section 3.1).
 
-    Not `crossed` if both parents are the same genome: the child begins as its copy.
+    `crossed` is false if both parents are the same genome: the child then starts as its copy.
     """
     nodes, connections = fitter_nodes.copy(), fitter_connections.copy()
     if crossed:

@@ -1,4 +1,4 @@
-"""Decoding: from genomes to the networks that play, and learned weights back (Section 4.1)."""
+"""Decoding of genomes into networks, and writing learned weights back (Section 4.1)."""
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +12,11 @@ from neol.spec.constants import Network
 def decode(
     pool: Pool, inputs: int, outputs: int, network: Network
 ) -> tuple[Networks, npt.NDArray[np.int64]]:
-    """The networks of a pool's genomes, and where in the pool their weights come from.
+    """Return the networks of a pool's genomes, and the places of their weights in the pool.
 
     The second array, int64[E], gives for each connection of the networks its place among the
-    pool's: `encode_weights` writes learned weights back along it. Connections of a node are
-    ordered by innovation number; disabled ones are left out.
+    pool's connections; `encode_weights` uses it to write learned weights back. Connections of a
+    node are ordered by innovation number; disabled ones are omitted.
     """
     room = len(pool.connections)
     source, weight = np.empty(room, dtype=np.int64), np.empty(room)
@@ -93,10 +93,10 @@ def _decode_genome(
     weight: npt.NDArray[np.float64],
     gene: npt.NDArray[np.int64],
 ) -> None:
-    """Write one genome's network into the batch's arrays, of which bias and edge_offset begin here.
+    """Write one genome's network into the batch's arrays; bias and edge_offset start at its nodes.
 
-    Its nodes are numbered: inputs first, then the others as the genome stores them. `number_of`
-    is room for these numbers by id.
+    Nodes are numbered: inputs first, then the others in the genome's order. `number_of` is scratch
+    space for these numbers by id.
     """
     size = inputs + len(nodes)
     for number in range(inputs, size):
@@ -127,7 +127,7 @@ def _decode_genome(
 
 @kernel
 def _enabled(connections: npt.NDArray[np.void]) -> npt.NDArray[np.int64]:
-    """The places of the enabled connections, without a branch: flags are hard to predict."""
+    """Return the places of the enabled connections; no branch, since flags are hard to predict."""
     places, count = np.empty(len(connections), dtype=np.int64), 0
     for c in range(len(connections)):
         places[count] = c
@@ -143,10 +143,10 @@ def _topological_order(
     outputs: int,
     size: int,
 ) -> npt.NDArray[np.int64]:
-    """The numbers of the hidden nodes, each after all that feed it, then those of the outputs.
+    """Return the numbers of the hidden nodes in topological order, then those of the outputs.
 
-    Kahn's algorithm: hidden nodes queue up as soon as all that feeds them has its place. Outputs
-    feed nothing, so they simply follow in their own order.
+    Kahn's algorithm: a hidden node is queued when all its sources are placed. Outputs feed no
+    other node, so they follow in their own order.
     """
     waits_for = np.zeros(size, dtype=np.int64)
     # The connections out of a node, as a linked list: its first one, and each one's next.
@@ -157,7 +157,7 @@ def _topological_order(
         first_out[source[edge]] = edge
 
     order = np.empty(size - inputs, dtype=np.int64)
-    hidden = inputs + outputs  # the first one's number
+    hidden = inputs + outputs  # number of the first hidden node
     queued = 0
     for node in range(hidden, size):
         if waits_for[node] == 0:

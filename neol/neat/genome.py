@@ -1,7 +1,7 @@
-"""Genomes as arrays, and what makes one well-formed.
+"""Genomes as arrays, and the check that a genome is well-formed.
 
-Node ids: inputs are 0 to I - 1, outputs I to I + O - 1, hidden nodes come after. A genome stores
-its output and hidden nodes sorted by id, and its connections sorted by innovation number.
+Node ids: inputs are 0 to I - 1, outputs I to I + O - 1, hidden nodes follow. A genome stores its
+output and hidden nodes sorted by id, and its connections sorted by innovation number.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ CONNECTION = np.dtype(
     align=True,
 )
 MAX_NODE_ID = 2**24
-"""Decoding keeps a table of ids; no run comes near so many nodes."""
+"""Limit of node ids, because decoding keeps a table of them; runs stay far below it."""
 
 
 @dataclass(slots=True)
@@ -35,12 +35,12 @@ class Genome:
     nodes: npt.NDArray[np.void]
     """NODE[n], sorted by id: outputs first, then hidden nodes."""
     connections: npt.NDArray[np.void]
-    """CONNECTION[c], sorted by innovation number, without a cycle."""
+    """CONNECTION[c], sorted by innovation number, acyclic."""
     fitness: float = field(default=np.nan)
-    """Mean return of its last evaluation; NaN before."""
+    """Mean return of the last evaluation; NaN before the first."""
 
     def copy(self) -> "Genome":
-        """The same genome, its arrays its own."""
+        """Return a copy with its own arrays."""
         return Genome(self.id, self.nodes.copy(), self.connections.copy(), self.fitness)
 
 
@@ -51,7 +51,7 @@ def initial_genome(
     weight: npt.NDArray[np.float64],
     bias: npt.NDArray[np.float64],
 ) -> Genome:
-    """A genome of generation 0: every input connected to every output, nothing hidden.
+    """Return a genome of generation 0: every input connected to every output, no hidden nodes.
 
     `weight` is float64[outputs * inputs], ordered by output, then input; `bias` float64[outputs].
     """
@@ -68,20 +68,20 @@ def initial_genome(
 
 
 class Pool(NamedTuple):
-    """The genes of P genomes, end to end."""
+    """Genes of P genomes, concatenated."""
 
     nodes: npt.NDArray[np.void]
     """NODE[M]."""
     node_offset: npt.NDArray[np.int64]
-    """int64[P + 1]: genome i has the nodes node_offset[i] to node_offset[i + 1]."""
+    """int64[P + 1]: genome i has the nodes [node_offset[i]:node_offset[i + 1]]."""
     connections: npt.NDArray[np.void]
     """CONNECTION[C]."""
     connection_offset: npt.NDArray[np.int64]
-    """int64[P + 1]: and the connections connection_offset[i] to connection_offset[i + 1]."""
+    """int64[P + 1]: the same for connections."""
 
     @classmethod
     def of(cls, genomes: Sequence[Genome]) -> "Pool":
-        """Copies of these genomes' genes."""
+        """Copy the genes of some genomes into a pool."""
         nodes = [np.empty(0, dtype=NODE), *(genome.nodes for genome in genomes)]
         connections = [np.empty(0, dtype=CONNECTION), *(genome.connections for genome in genomes)]
         return cls(
@@ -93,10 +93,10 @@ class Pool(NamedTuple):
 
 
 def check_genome(genome: Genome, inputs: int, outputs: int) -> None:
-    """Raise ValueError, saying what is wrong, unless the genome is well-formed.
+    """Raise ValueError, which says what is wrong, unless the genome is well-formed.
 
-    Nodes and connections sorted and distinct, all outputs there, no dangling connection, no
-    cycle, only finite numbers.
+    That is: nodes and connections sorted and distinct, all outputs present, no dangling
+    connection, no cycle, only finite numbers.
     """
     nodes, connections = genome.nodes, genome.connections
     hidden = nodes["id"][outputs:]

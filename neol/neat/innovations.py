@@ -9,10 +9,10 @@ from neol.base.kernel import kernel
 
 
 class Innovations(NamedTuple):
-    """The same structural mutation in one generation gets the same numbers.
+    """Numbers of a generation's structural mutations: equal mutations get equal numbers.
 
-    A number is the generation's first one plus the mutation's place in a list of those that have
-    happened. Numbers only ever grow, so that they never collide, also after a checkpoint.
+    A number is the generation's first one plus the mutation's place in the list of those so far.
+    Numbers only grow, so they never collide, also after a checkpoint.
     """
 
     first_innovation: int
@@ -24,27 +24,27 @@ class Innovations(NamedTuple):
 
     @classmethod
     def begin(cls, innovation: int, node: int, children: int = 0) -> "Innovations":
-        """No mutation yet, with room for so many children: each splits once, connects thrice."""
+        """Start without mutations, with room for one split and three connections a child."""
         return cls(innovation, node, np.full((3 * children, 2), -1), np.full(children, -1))
 
     @property
     def next_innovation(self) -> int:
-        """The lowest innovation number that nothing has."""
+        """Lowest free innovation number."""
         return self.first_innovation + int(np.count_nonzero(self.connections[:, 0] >= 0))
 
     @property
     def next_node(self) -> int:
-        """The lowest node id that nothing has."""
+        """Lowest free node id."""
         return self.first_node + int(np.count_nonzero(self.splits >= 0))
 
     def next_generation(self, children: int) -> "Innovations":
-        """Forget which mutations have happened; the numbers go on."""
+        """Clear the list of mutations; the numbers continue."""
         return Innovations.begin(self.next_innovation, self.next_node, children)
 
 
 @kernel
 def connection_number(innovations: Innovations, source: int, target: int) -> int:
-    """The innovation number of a new connection in this generation."""
+    """Return the innovation number of a new connection in this generation."""
     seen = innovations.connections
     for place in range(len(seen)):
         if seen[place, 0] < 0:
@@ -56,7 +56,7 @@ def connection_number(innovations: Innovations, source: int, target: int) -> int
 
 @kernel
 def split_node(innovations: Innovations, innovation: int) -> int:
-    """The id of the new node that splits a connection in this generation."""
+    """Return the id of the new node that splits a connection in this generation."""
     for place in range(len(innovations.splits)):
         if innovations.splits[place] < 0:
             innovations.splits[place] = innovation

@@ -1,4 +1,4 @@
-"""A generation's genomes, their genes end to end."""
+"""The genomes of one generation, with their genes in one pool."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,26 +11,26 @@ from neol.neat.genome import Genome, Pool
 
 @dataclass(slots=True)
 class Population:
-    """P genomes with ids in a row: of two, the one in the lower place is the older."""
+    """P genomes with consecutive ids: the genome in the lower place is the older one."""
 
     first_id: int
     pool: Pool
     fitness: npt.NDArray[np.float64]
-    """float64[P]: mean return of each genome's evaluation; NaN before."""
+    """float64[P]: mean return of each genome's evaluation; NaN before it."""
 
     @classmethod
     def of(cls, genomes: Sequence[Genome]) -> "Population":
-        """These genomes, copied. Raises ValueError where their ids do not follow each other."""
+        """Copy genomes into a population. Raises ValueError unless their ids are consecutive."""
         first = genomes[0].id if genomes else 0
         if [genome.id for genome in genomes] != list(range(first, first + len(genomes))):
-            raise ValueError("the ids of a population's genomes do not follow each other")
+            raise ValueError("the ids of a population's genomes are not consecutive")
         return cls(first, Pool.of(genomes), np.array([genome.fitness for genome in genomes]))
 
     def __len__(self) -> int:
         return len(self.fitness)
 
     def __getitem__(self, place: int) -> Genome:
-        """The genome in a place, its arrays views of the pool."""
+        """Return the genome in a place; its arrays are views of the pool."""
         node, connection = self.pool.node_offset, self.pool.connection_offset
         return Genome(
             self.first_id + place,

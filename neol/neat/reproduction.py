@@ -16,19 +16,19 @@ from neol.spec.constants import Neat
 
 
 class Reproduction:
-    """Makes populations: the only place that hands out genome ids and innovation numbers."""
+    """Maker of populations; it alone assigns genome ids and innovation numbers."""
 
     def __init__(self, inputs: int, outputs: int, neat: Neat) -> None:
         self.inputs = inputs
         self.outputs = outputs
         self.neat = neat
         self.rates = Rates.of(neat)
-        # Generation 0's genes have taken the first numbers.
+        # The genes of generation 0 have the first numbers.
         self.innovations = Innovations.begin(inputs * outputs, inputs + outputs)
         self.next_genome = 0
 
     def initial_population(self, size: int, random: np.random.Generator) -> Population:
-        """Generation 0: minimal topologies with random weights (INITIALISEPOPULATION)."""
+        """Make generation 0: minimal topologies with random weights (INITIALISEPOPULATION)."""
         weight, bias = np.empty(self.inputs * self.outputs), np.empty(self.outputs)
         state, first, genomes = new_state(random), self._new_ids(size), []
         for id in range(first, first + size):
@@ -40,9 +40,9 @@ class Reproduction:
     def reproduce(
         self, population: Population, species_set: SpeciesSet, random: np.random.Generator
     ) -> Population:
-        """The next population, of the same size, from a speciated and evaluated one.
+        """Make the next population, of the same size, from a speciated and evaluated one.
 
-        `random` draws the parents; it also seeds the stream of their children's variation.
+        `random` draws the parents and seeds the stream of their children's variation.
         """
         size = len(population)
         self.innovations = self.innovations.next_generation(size)
@@ -72,9 +72,9 @@ class Reproduction:
         spawn: int,
         random: np.random.Generator,
     ) -> npt.NDArray[np.void]:
-        """Whose children a species' part of the next population is (Algorithm 4, lines 7-16).
+        """Choose the parents of a species' offspring: PARENTS[spawn], elites first.
 
-        PARENTS[spawn], its elites first.
+        (Algorithm 4, lines 7-16)
         """
         neat = self.neat
         elites = members[: min(neat.elitism, spawn)]
@@ -91,28 +91,28 @@ class Reproduction:
         return parents
 
     def _new_ids(self, count: int) -> int:
-        """The first of so many ids in a row that nothing has."""
+        """Reserve `count` consecutive ids and return the first."""
         self.next_genome += count
         return self.next_genome - count
 
 
 def fittest_first(population: Population, places: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Genomes in the order in which they give their children the structure.
+    """Sort genomes by the order in which they pass their structure on to a child.
 
-    The fitter one does; of equals the smaller, then the older one.
+    The fitter parent comes first; of equals the smaller, then the older one.
     """
     connections = np.diff(population.pool.connection_offset)
-    keys = places, connections[places], -population.fitness[places]  # the last one counts most
+    keys = places, connections[places], -population.fitness[places]  # lexsort: last key first
     return places[np.lexsort(keys)]
 
 
 def spawn_counts(adjusted: npt.NDArray[np.float64], size: int, neat: Neat) -> npt.NDArray[np.int64]:
-    """Offspring of each species, int64[S], summing to `size` exactly (Algorithm 4, lines 1-4).
+    """Return the offspring of each species, int64[S], with sum `size` (Algorithm 4, lines 1-4).
 
-    spawn(s) = max(min_species_size, round(P F(s) / A)), where no species gets less than its
-    elites. What is then too many comes off the species furthest above their exact shares,
-    what is missing goes to those furthest below; of equals the older species first. Where even
-    the minima exceed P, the species with the least shares get nothing.
+    spawn(s) = max(min_species_size, round(P F(s) / A)), and at least the species' elites. A
+    surplus is taken from the species furthest above their exact shares, a deficit given to those
+    furthest below; of equals the older species first. If even the minima exceed P, the species
+    with the smallest shares get none.
     """
     total = adjusted.sum()
     even = np.full(len(adjusted), size / len(adjusted))

@@ -11,7 +11,7 @@ from neol.neat.population import Population
 from neol.spec.constants import Neat
 
 Fitness = npt.NDArray[np.float64]
-"""float64[P], of a population's genomes, or float64[S], of its species."""
+"""Fitness of a population's genomes, float64[P], or of its species, float64[S]."""
 
 
 @dataclass(slots=True)
@@ -20,18 +20,18 @@ class Species:
 
     id: int
     representative: Genome
-    """A copy of the genome that founded the species, or that is nearest to the last one."""
+    """Copy of the founder, or of the genome nearest to the last representative."""
     best_fitness: float = -np.inf
-    """Best fitness of a member so far."""
+    """Best fitness of any member so far."""
     stagnant: int = 0
     """Generations since `best_fitness` last rose."""
     members: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    """Places of this generation's members in the population, best first."""
+    """Places of this generation's members in the population, sorted by fitness."""
 
 
 @dataclass(slots=True)
 class SpeciesSet:
-    """All species of a run, by age, and the id that the next one gets."""
+    """All species of a run, oldest first, and the id of the next one."""
 
     species: list[Species] = field(default_factory=list)
     next_id: int = 0
@@ -40,14 +40,15 @@ class SpeciesSet:
 def distance(one: Genome, other: Genome, neat: Neat) -> float:
     """Compatibility distance delta = c1 (E + D) / N + c3 mean|w - w'| (Algorithm 3, line 3).
 
-    E + D counts the connections that only one has; the mean runs over those that both have. N is
-    their number (at least 1), or with `larger_genome` the larger genome's number of connections.
+    E + D counts the connections that only one genome has; the mean is over matching connections.
+    N is the number of matching connections (at least 1), or with `larger_genome` the larger
+    genome's number of connections.
     """
     return float(distances(Pool.of([one]), other, neat)[0])
 
 
 def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.float64]:
-    """Distance of each genome of a pool to a representative, float64[P]."""
+    """Return the distance of each genome of a pool to a representative, float64[P]."""
     found = np.empty(len(pool.connection_offset) - 1)
     _distances(
         pool.connections,
@@ -64,9 +65,9 @@ def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.
 def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
     """Assign each genome to the nearest species within the threshold (Algorithm 3, lines 1-8).
 
-    Species keep their representatives from generation to generation, or choose the nearest genome
-    as the next one; a genome far from all of them founds a new species. Of equally near species
-    the oldest wins. Members are sorted by fitness, then age; empty species die out.
+    A species keeps its representative, or takes the genome nearest to it as the next one; a genome
+    far from all representatives founds a new species. Of equally near species the oldest wins.
+    Members are sorted by fitness, then age; empty species are removed.
     """
     if neat.representative == "nearest":
         _choose_representatives(population, species_set, neat)
@@ -74,7 +75,7 @@ def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> Non
     home = np.zeros(len(population), dtype=np.int64)
 
     def offer(index: int, first: int) -> None:
-        """Let the genomes from `first` on move to a species that is nearer than their own."""
+        """Move genomes from `first` on to this species if it is nearer than their own."""
         representative = species_set.species[index].representative
         offered = distances(population.pool, representative, neat)
         nearer = offered < nearest
@@ -102,7 +103,7 @@ def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> Non
 
 
 def _choose_representatives(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
-    """Each species, the oldest first, takes the nearest genome that no other one has taken."""
+    """Give each species, the oldest first, the nearest genome that is still free."""
     taken = np.zeros(len(population), dtype=np.bool_)
     for species in species_set.species:
         away = distances(population.pool, species.representative, neat)
@@ -114,7 +115,7 @@ def _choose_representatives(population: Population, species_set: SpeciesSet, nea
 def remove_stagnant(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> None:
     """Remove species stagnant for more than G_stag generations (Algorithm 3, lines 7-8).
 
-    The `species_elitism` best species, and at least the best one, are spared.
+    The `species_elitism` best species stay, and always the best one.
     """
     ranked = sorted(species_set.species, key=lambda s: (-fitness[s.members[0]], s.id))
     spared = {species.id for species in ranked[: max(neat.species_elitism, 1)]}
@@ -126,11 +127,11 @@ def remove_stagnant(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> No
 
 
 def adjusted_fitness(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> Fitness:
-    """Explicit fitness sharing: F_adj of each species, float64[S] (Algorithm 3, line 9).
+    """Return F_adj of each species, float64[S], by explicit fitness sharing (Algorithm 3, line 9).
 
-    Fitness is shifted by its minimum, so that shares are never negative. With `stanley` a
-    species' members share their summed fitness, F_adj = sum(f / |s|); `literal` takes the
-    paper's formula, the mean of f / |s|, which divides by the size twice.
+    Fitness is shifted by its minimum, so that shares are never negative. With `stanley`,
+    F_adj = sum(f / |s|); `literal` is the paper's formula, the mean of f / |s|, which divides by
+    the species' size twice.
     """
     of_species = [fitness[species.members] for species in species_set.species]
     minimum = min(values.min() for values in of_species)

@@ -1,4 +1,4 @@
-"""The numbers in genes, weights and biases: fresh ones and mutated ones (paper's Algorithm 4)."""
+"""Weights and biases: drawing and mutating them (paper's Algorithm 4)."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from neol.random.pcg64 import State, next_double, standard_normals
 
 
 class ValueRates(NamedTuple):
-    """How weights, or biases, are made and mutated."""
+    """Constants of drawing and mutating weights, or biases."""
 
     init_sd: float
     limit: float
@@ -35,7 +35,7 @@ def mutate_values(values: npt.NDArray[np.float64], rates: ValueRates, random: St
 
 @kernel
 def draw_values(values: npt.NDArray[np.float64], rates: ValueRates, random: State) -> None:
-    """Make all weights or biases anew: normal with mean 0, clipped to their limit."""
+    """Draw all weights or biases: normal with mean 0, clipped to their limit."""
     noise = standard_normals(len(values), random)
     for i in range(len(values)):
         values[i] = _clip(rates.init_sd * noise[i], rates.limit)

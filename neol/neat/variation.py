@@ -1,4 +1,4 @@
-"""Variation: crossover aligned by innovation numbers, and the mutations (paper's Algorithm 4).
+"""Variation: crossover aligned by innovation numbers, and mutations (paper's Algorithm 4).
 
 `nodes` and `connections` are a genome's arrays, NODE[n] and CONNECTION[c]; `random` is the state of
 a random stream, uint64[4] (see neol.random.pcg64).
@@ -19,7 +19,7 @@ RANDOM_PARENT, STANLEY, REDRAW_IF_DISABLED = range(3)
 
 
 class Flags(NamedTuple):
-    """How crossover decides whether a gene that both parents have is enabled in the child."""
+    """How crossover sets whether a matching gene is enabled in the child."""
 
     rule: int
     disable_rate: float
@@ -34,10 +34,10 @@ def crossover(
     flags: Flags,
     random: State,
 ) -> None:
-    """Cross a copy of the fitter parent with the other (CROSSOVERALIGNED, line 17).
+    """Cross a copy of the fitter parent with the other parent (CROSSOVERALIGNED, line 17).
 
-    The child keeps the structure of the fitter parent; weight and bias of a gene that both have
-    come from either with equal chance, and `flags` say whether it is enabled.
+    The child keeps the structure of the fitter parent; weight or bias of a matching gene come from
+    either parent with equal chance, and `flags` decide whether it is enabled.
     """
     o = 0
     for c in range(len(connections)):
@@ -66,10 +66,10 @@ def crossover(
 
 @kernel
 def inherited_flag(one: bool, other: bool, flags: Flags, random: State) -> bool:
-    """Whether a gene is enabled in the child, from its state in both parents.
+    """Whether a gene is enabled in the child, given its state in both parents.
 
     `RANDOM_PARENT` is neat-python's rule before 1.0, `STANLEY` that of Stanley & Miikkulainen
-    (2002); NeatConstants.crossover_enabled says what each does.
+    (2002); NeatConstants.crossover_enabled describes each.
     """
     if one and other:
         return True
@@ -91,7 +91,7 @@ def add_connection(
     innovations: Innovations,
     random: State,
 ) -> Genes:
-    """Connect two random nodes (line 19), unless they are connected or it would close a cycle.
+    """Connect two random nodes (line 19) unless they are connected or a cycle would result.
 
     Sources are inputs and hidden nodes, targets hidden nodes and outputs; disabled connections
     count as connections, so that enabling one can never close a cycle.
@@ -117,10 +117,10 @@ def add_node(
     innovations: Innovations,
     random: State,
 ) -> tuple[Genes, Genes]:
-    """Split a random enabled connection (line 21): it is disabled, a node takes its place.
+    """Split a random enabled connection (line 21): disable it and put a node in its place.
 
-    The node has bias 0 or a fresh one, the connection into it weight 1, the one out of it the old
-    weight.
+    The node gets bias 0 or a drawn one, its incoming connection weight 1, its outgoing connection
+    the old weight.
     """
     enabled = np.flatnonzero(connections["enabled"])
     if len(enabled) == 0:
@@ -128,7 +128,7 @@ def add_node(
     split = connections[enabled[below(len(enabled), random)]]
     split.enabled = False
     node, source, target = split_node(innovations, split.innovation), split.source, split.target
-    # A node of this generation has the highest id so far, so it comes last.
+    # A new node has the highest id so far, so it comes last.
     longer = np.empty(len(nodes) + 1, dtype=nodes.dtype)
     longer[:-1] = nodes
     longer[-1].id = node
@@ -166,11 +166,11 @@ def remove_node(
 
 @kernel
 def mutate_enabled(connections: Genes, rate: float, random: State) -> None:
-    """Draw the state of a few connections anew."""
+    """Set each connection to enabled or disabled at random, with probability `rate`."""
     for c in range(len(connections)):
         chance = next_double(random)
         if chance < rate:
-            # The chance is uniform below the rate: its halves give the new state.
+            # Below the rate the number is uniform: each half gives one of the two states.
             connections[c].enabled = chance < rate / 2
 
 
@@ -200,7 +200,7 @@ def reaches(nodes: Genes, connections: Genes, start: int, goal: int) -> bool:
 def _with_gene(
     connections: Genes, innovation: int, source: int, target: int, weight: float
 ) -> Genes:
-    """The connections with one more, enabled, where its innovation number belongs."""
+    """Return the connections with a new enabled one, sorted in by its innovation number."""
     place = len(connections)
     while place > 0 and connections[place - 1].innovation > innovation:
         place -= 1

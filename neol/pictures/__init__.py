@@ -1,1 +1,1 @@
-"""How pictures look, and pictures of networks and films of episodes."""
+"""Style of all pictures, pictures of networks, and films of episodes."""

@@ -1,4 +1,4 @@
-"""Films of episodes: Gymnasium's own pictures, as an animated GIF."""
+"""Films of episodes: Gymnasium's own frames as an animated GIF."""
 
 import contextlib
 import ctypes.util
@@ -23,11 +23,11 @@ from neol.spec.constants import Task
 Drawn = TypeVar("Drawn")
 
 FRAMES_PER_SECOND = 25
-"""At most; a film is as fast as its environment."""
+"""Largest frame rate; a film runs at its environment's speed."""
 LAST_FRAME_MS = 1500
 COLOURS = 64
 SHRINK = 2
-"""A film has this fraction of the 400 to 600 pixels of Gymnasium's pictures."""
+"""Scale of a film, relative to the 400 to 600 pixels of Gymnasium's frames."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,10 @@ class Film:
     """A filmed episode."""
 
     gif: bytes
-    """Animated, and repeated for ever."""
+    """Animated GIF that repeats for ever."""
     frames: int
     trace: Trace
-    """The episode that it shows."""
+    """The filmed episode, step by step."""
 
 
 def film(player: Player, seed: int, *, plastic_steps: int | None = None) -> Film:
@@ -68,9 +68,9 @@ def film(player: Player, seed: int, *, plastic_steps: int | None = None) -> Film
 
 
 def need_display() -> None:
-    """Raise UserError where no window can be opened: MuJoCo would abort the process."""
+    """Raise UserError if no window can be opened; MuJoCo would abort the process instead."""
     if not _has_display():
-        raise UserError("there is no display to open a window on; --gif films without one")
+        raise UserError("no display to open a window on; --gif films without one")
 
 
 def _has_display() -> bool:
@@ -78,7 +78,7 @@ def _has_display() -> bool:
 
 
 def _choose_backends() -> None:
-    """Let SDL and MuJoCo draw without a display, unless the user has chosen how."""
+    """Make SDL and MuJoCo draw without a display, unless the user has chosen a backend."""
     if not _has_display():
         os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
     if sys.platform == "linux":
@@ -88,7 +88,7 @@ def _choose_backends() -> None:
 
 def _camera(task: Task) -> ReferenceEngine:
     if _is_mujoco(task) and "MUJOCO_GL" in os.environ:
-        # Fails where the library is missing; Gymnasium would add a trace of its own.
+        # Fails early if the library is missing; Gymnasium would print a trace as well.
         importlib.import_module(f"mujoco.{os.environ['MUJOCO_GL']}")
     return ReferenceEngine(task, "rgb_array")
 
@@ -98,10 +98,10 @@ def _is_mujoco(task: Task) -> bool:
 
 
 def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
-    """What a function draws, or in one line why it cannot."""
+    """Return what a function draws. Raises UserError with the reason why it cannot."""
     try:
         return draw()
-    except Exception as error:  # whatever a drawing library raises where another one is missing
+    except Exception as error:  # a drawing library may raise anything
         reason = " ".join(str(error).split())[:120]
         remedy = "choose a task that Gymnasium can draw"
         if _is_mujoco(task):
@@ -113,7 +113,7 @@ def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
 
 
 def _gif(pictures: Sequence[Image.Image], milliseconds: int) -> bytes:
-    """An animated GIF with one palette for all: small, and colours do not flicker."""
+    """Return an animated GIF with one palette: small files, no flickering colours."""
     some = pictures[:: max(1, len(pictures) // 8)]
     palette = Image.fromarray(np.concatenate([np.asarray(each) for each in some]))
     palette = palette.quantize(COLOURS)

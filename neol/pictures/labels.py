@@ -1,4 +1,4 @@
-"""How tasks, methods and numbers are printed."""
+"""Labels of tasks, methods and numbers."""
 
 import math
 from collections.abc import Iterable
@@ -21,25 +21,25 @@ TASK_LABELS = {
 
 
 def method_label(method: str) -> str:
-    """A method's name; of one that the paper does not have, its own."""
+    """Return the paper's label of a method, or a label made from its name."""
     return METHOD_LABELS.get(method, method.replace("_", " "))
 
 
 def task_label(task: str) -> str:
-    """A task's name; of one that the paper does not have, its own."""
+    """Return the paper's label of a task, or a label made from its name."""
     if task.startswith("gym:"):
         return task.removeprefix("gym:")
     return TASK_LABELS.get(task, task.replace("_", " ").title())
 
 
 def listed(words: Iterable[str]) -> str:
-    """BCM, Hebb and Oja"""
+    """Join words as in "BCM, Hebb and Oja"."""
     *others, last = words
     return f"{', '.join(others)} and {last}" if others else last
 
 
 def three_figures(value: float) -> str:
-    """0.451, 12.0, 1234: three significant figures, of large numbers all before the point."""
+    """Format a number with three significant figures, or as an integer: 0.451, 12.0, 1234."""
     if math.isnan(value):
         return "--"
     text = f"{value:.0f}" if abs(value) >= 100 else f"{value + 0.0:#.3g}"  # + 0.0: no "-0"
@@ -47,5 +47,5 @@ def three_figures(value: float) -> str:
 
 
 def drawn(number: str) -> str:
-    """A number as pictures show it: with a dash and a minus for its hyphens."""
+    """Typeset a number for pictures: its hyphens become a dash and a minus sign."""
     return number.replace("--", "–").replace("-", "−")

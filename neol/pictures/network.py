@@ -1,4 +1,4 @@
-"""Pictures of champions: their networks, and how these change within an episode."""
+"""Pictures of champions: their networks, and changes of their weights within an episode."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -20,17 +20,17 @@ from neol.spec.observations import names
 COOL_TO_WARM = LinearSegmentedColormap.from_list(
     "cool to warm", ["#0b3c8c", "#86a9d8", "#dcdcdc", "#f6b878", "#e06c00"]
 )
-"""Blue to orange, as in Figure 1: colour-blind readers tell them apart, and blue prints darker."""
+"""Blue to orange, as in Figure 1: distinguishable with colour blindness, and blue prints darker."""
 THINNEST, THICKEST = 0.4, 3.2
-"""Points: the lines of a weight near 0 and of the largest."""
+"""Line widths in points: of a weight near 0 and of the largest weight."""
 WITHOUT_THRESHOLD = ("hebb", "oja")
-"""Rules whose changes do not depend on it."""
+"""Rules that do not use the threshold."""
 ROW = 1.25
-"""Inches of a plot over time."""
+"""Height in inches of a plot over time."""
 APART = 0.11
-"""Of its height: how far names at the right of a plot keep from each other."""
+"""Least distance of names at the right of a plot, as a fraction of its height."""
 NAMED = 3
-"""So many of the weights that change most are named."""
+"""Number of weights that are named: those that change most."""
 
 # --- Networks -----------------------------------------------------------------------------------
 
@@ -45,12 +45,13 @@ def draw_network(
     inputs: bool = True,
     outputs: bool = True,
 ) -> LineCollection:
-    """Draw a champion's network on axes of yours: inputs left, outputs right.
+    """Draw a champion's network on given axes: inputs left, outputs right.
 
-    A line is as thick as its weight is large; cool below 0, warm above, deepest at +-limit.
-    `weights` are others than the inherited ones, `colours` another quantity for the colour, both
-    float64[E]. Disabled genes are dotted; hidden nodes that nothing enabled touches are left out.
-    `inputs` and `outputs` say which names are written. Returns the lines, for a colour bar.
+    A line's width grows with the size of its weight; its colour is cool below 0, warm above, and
+    deepest at +-limit. `weights` replace the inherited ones; `colours` are another quantity for
+    the colour; both are float64[E]. Disabled genes are dotted; hidden nodes without an enabled
+    connection are omitted. `inputs` and `outputs` say which names are written. Returns the lines,
+    for a colour bar.
     """
     weights = player.network.weight if weights is None else weights
     colours = weights if colours is None else colours
@@ -83,7 +84,7 @@ def draw_network(
 
 
 def _draw_nodes(axes: Axes, player: Player, shown: Graph) -> None:
-    """Circles, those of hidden nodes larger and numbered."""
+    """Draw nodes as circles; those of hidden nodes are larger and numbered."""
     network = player.network
     hidden = range(network.inputs, network.inputs + len(network.bias) - network.outputs)
     for node, place in shown.places.items():
@@ -96,7 +97,7 @@ def _draw_nodes(axes: Axes, player: Player, shown: Graph) -> None:
 
 
 def _write_names(axes: Axes, player: Player, shown: Graph, *, inputs: bool, outputs: bool) -> None:
-    """The names of inputs left of them and of outputs right of them, where they are wanted."""
+    """Write the names of inputs left of them and of outputs right of them, as requested."""
     for node, name in _node_names(player).items():
         is_input = node < player.network.inputs
         if inputs if is_input else outputs:
@@ -112,7 +113,7 @@ def _write_names(axes: Axes, player: Player, shown: Graph, *, inputs: bool, outp
 
 
 def network_figure(player: Player) -> Figure:
-    """A champion's network with names, title and legend."""
+    """Draw a champion's network with names, title and legend."""
     with drawing():
         figure = Figure(figsize=(0.9 * WIDTH, _height(player) + 0.8))
         figure.suptitle(title(player), x=0.01, ha="left")
@@ -129,7 +130,7 @@ def network_figure(player: Player) -> Figure:
 
 
 def title(player: Player) -> str:
-    """Task, method and seed, and what the champion came to."""
+    """Return a title: task, method, seed and the champion's fitness."""
     spec = player.spec
     held_out = np.array(player.recorded_returns)
     held_out = held_out[np.isfinite(held_out)]
@@ -144,12 +145,11 @@ def title(player: Player) -> str:
 
 
 def plasticity_figure(player: Player, trace: Trace) -> Figure:
-    """How weights change within an episode, as in the paper's Figure 1, and what changes them.
+    """Draw how weights change within an episode, as in the paper's Figure 1, and what drives it.
 
-    Above the network at the start, in the middle and at the end: the colour is each weight's
-    change since the start. Below, over the same steps: changes, rewards and, where the rule uses
-    them, thresholds.
-    Raises UserError for a champion that does not learn.
+    Top: the network at the start, in the middle and at the end, each weight coloured by its change
+    since the start. Below, over the same steps: changes, rewards and, if the rule uses them,
+    thresholds. Raises UserError for a champion that does not learn.
     """
     spec = player.spec
     if not spec.plasticity.learns:
@@ -166,8 +166,8 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
     heights = [0.85 * _height(player) + 0.3, ROW * len(plots)]
     with drawing():
         figure = Figure(figsize=(1.15 * WIDTH, sum(heights) + 0.6))
-        come_to = f"An episode of {len(trace)} steps, return {_number(trace.episode_return)}"
-        figure.suptitle(f"{title(player)}\n{come_to}", x=0.01, ha="left")
+        summary = f"An episode of {len(trace)} steps, return {_number(trace.episode_return)}"
+        figure.suptitle(f"{title(player)}\n{summary}", x=0.01, ha="left")
         above, below = figure.subfigures(2, squeeze=False, height_ratios=heights)[:, 0]
         panels = above.subplots(1, 3)
         moments = {"Start": 0, "Middle": len(trace) // 2, "End": len(trace)}
@@ -192,7 +192,7 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
 
 
 def _changes(axes: Axes, player: Player, trace: Trace) -> None:
-    """The change of each weight, in the colour that it has above at the end."""
+    """Plot the change of each weight, in the colour of the last network."""
     changes = trace.weights - trace.weights[0]
     scale = Normalize(-_largest(changes), _largest(changes))
     order = np.argsort(np.abs(changes).max(axis=0))
@@ -213,7 +213,7 @@ def _rewards(axes: Axes, _player: Player, trace: Trace) -> None:
 
 
 def _thresholds(axes: Axes, player: Player, trace: Trace) -> None:
-    """The threshold of each node: hidden ones grey, outputs by name."""
+    """Plot the threshold of each node: hidden nodes grey, outputs with names."""
     hidden = len(player.network.bias) - player.network.outputs
     axes.plot(trace.thresholds[:, :hidden], color="0.8", linewidth=0.8)
     axes.plot(trace.thresholds[:, hidden:], color="black", linewidth=1)
@@ -230,7 +230,7 @@ def _thresholds(axes: Axes, player: Player, trace: Trace) -> None:
 
 
 def _name_ends(axes: Axes, x: float, ends: Iterable[tuple[float, str]]) -> None:
-    """Write names beside the ends of lines at x, moved apart where they would overlap."""
+    """Write names beside the ends of lines at x, spread so that they do not overlap."""
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top)
     ends = sorted(ends)
@@ -257,7 +257,7 @@ def _name_ends(axes: Axes, x: float, ends: Iterable[tuple[float, str]]) -> None:
 
 
 def _node_names(player: Player) -> dict[int, str]:
-    """The names of inputs and outputs, by node."""
+    """Return the names of inputs and outputs, by node."""
     network = player.network
     inputs, outputs = names(player.spec.task, network.inputs, network.outputs)
     first_output = network.inputs + len(network.bias) - network.outputs
@@ -271,7 +271,7 @@ def _edge_name(player: Player, edge: Edge) -> str:
 
 
 def _height(player: Player) -> float:
-    """Inches that a network with names needs."""
+    """Return the height in inches of a network with names."""
     return max(1.6, 0.16 * max(player.network.inputs, player.network.outputs))
 
 
@@ -283,7 +283,7 @@ def _colour_bar(
 
 
 def _largest(values: Floats) -> float:
-    """The largest size among some values; 1 where all are 0."""
+    """Return the largest absolute value; 1 if all are 0."""
     return float(np.abs(values).max(initial=0.0)) or 1.0
 
 

@@ -1,4 +1,4 @@
-"""A champion's held-out episodes played again, beside what its record has of them."""
+"""Replay of a champion's held-out episodes, compared with its record."""
 
 import contextlib
 from collections.abc import Iterator
@@ -13,17 +13,17 @@ from neol.rollout.reference import ReferenceEngine
 
 @dataclass(frozen=True, slots=True)
 class Replayed:
-    """A held-out episode, recorded and played again; a return is NaN where it failed."""
+    """A held-out episode with its recorded and its replayed return; NaN where it failed."""
 
     episode: int
-    """From 0."""
+    """Number of the episode, from 0."""
     steps: int
     recorded: float
     replayed: float
 
     @property
     def agrees(self) -> bool:
-        """Whether both returns are the same, bit for bit."""
+        """Whether both returns are equal, bit for bit."""
         return repr(self.recorded) == repr(self.replayed)  # NaN is NaN
 
 
@@ -32,7 +32,7 @@ def play_again(
 ) -> Iterator[Replayed]:
     """Play some held-out episodes, in a window if `human`, and film the first one into `gif`.
 
-    Raises UserError where the film cannot be made or written.
+    Raises UserError if the film cannot be made or written.
     """
     render_mode = "human" if human else None
     with contextlib.closing(ReferenceEngine(player.spec.task, render_mode)) as engine:

@@ -1,9 +1,9 @@
-"""How everything drawn looks: one colour, line and marker for each method, and files that repeat.
+"""Style of all pictures: one colour, line and marker for each method, and reproducible files.
 
 The hues are the paper's (BCM blue, Hebb orange, Oja green, NEAT red) in the tints of Okabe and Ito,
-which colour-blind readers tell apart; lines and markers do the same in grey print. NEAT (w/o),
-which the paper draws red too, is purple: one colour for each method in all figures. What else a
-budget may have takes what is left of that palette.
+which remain distinguishable with colour blindness, as lines and markers do in grey print.
+NEAT (w/o), which the paper draws red too, is purple, so that each method has one colour in all
+figures. Other methods of a budget take the rest of the palette.
 """
 
 import io
@@ -21,7 +21,7 @@ from neol.base.errors import UserError
 from neol.base.files import write_atomically
 
 WIDTH = 7.2
-"""Inches: a page's text width."""
+"""Text width of a page in inches."""
 SCREEN_DPI = 110
 GREY = "0.35"
 COLOUR_MAP = mpl.colormaps["cividis"]
@@ -29,7 +29,7 @@ COLOUR_MAP = mpl.colormaps["cividis"]
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """How a method is drawn."""
+    """Colour, line and marker of a method."""
 
     colour: str
     line: Any
@@ -74,13 +74,13 @@ _METADATA: dict[str, Any] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
 }
-"""What a file says of itself beside its picture, by kind: neither date nor version."""
+"""Metadata of a picture's file by kind; without date and version, so that files repeat."""
 
 
 def styles(methods: Sequence[str]) -> dict[str, Style]:
-    """How each of all a budget's methods is drawn; those that the paper lacks, in their order.
+    """Return the style of each method of a budget.
 
-    The first 60 of those differ from each other.
+    Methods that the paper lacks get styles in their order; the first 60 of these are distinct.
     """
     further = [method for method in methods if method not in STYLES]
     chosen = {
@@ -96,7 +96,7 @@ def styles(methods: Sequence[str]) -> dict[str, Style]:
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Matplotlib with these settings and nobody else's."""
+    """Draw with exactly these Matplotlib settings and none of the user's."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC_PARAMS)
@@ -104,14 +104,14 @@ def drawing() -> Iterator[None]:
 
 
 def footer(figure: Figure, text: str) -> None:
-    """A small line or two below a figure: budget, and what is missing."""
+    """Write a line or two below a figure: the budget, and what is missing."""
     characters = int(figure.get_figwidth() * 19)
     lines = [line for part in text.splitlines() for line in textwrap.wrap(part, characters)]
     figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=7, color=GREY)
 
 
 def save(figure: Figure, path: Path) -> list[Path]:
-    """Write path.pdf and path.png (see `write_picture`). Returns the two."""
+    """Write path.pdf and path.png (see `write_picture`); return both paths."""
     path.parent.mkdir(parents=True, exist_ok=True)
     outputs = [path.with_suffix(f".{kind}") for kind in ("pdf", "png")]
     for output in outputs:
@@ -120,19 +120,19 @@ def save(figure: Figure, path: Path) -> list[Path]:
 
 
 def write_picture(figure: Figure, path: Path) -> None:
-    """Write a figure as what the path's suffix says: .pdf, .png or .svg."""
+    """Write a figure in the format of the path's suffix: .pdf, .png or .svg."""
     write_atomically(path, rendered(figure, picture_kind(path)))
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as notebooks show it."""
+    """Return a figure as PNG for a notebook."""
     return rendered(figure, "png", SCREEN_DPI)
 
 
 def rendered(figure: Figure, kind: str, dpi: int | None = None) -> bytes:
-    """A figure as a file of a kind: pdf, png or svg.
+    """Return a figure as the content of a file: pdf, png or svg.
 
-    The same bytes for the same picture: without date or version.
+    Equal pictures give equal bytes: the file holds neither date nor version.
     """
     buffer = io.BytesIO()
     with drawing():
@@ -141,7 +141,7 @@ def rendered(figure: Figure, kind: str, dpi: int | None = None) -> bytes:
 
 
 def picture_kind(path: Path) -> str:
-    """Of a picture's file: pdf, png or svg. Raises UserError for any other suffix."""
+    """Return the kind of a picture's file: pdf, png or svg. Raises UserError for other suffixes."""
     kind = path.suffix.removeprefix(".").lower()
     if kind not in _METADATA:
         raise UserError(f"{path}: pictures are {', '.join(_METADATA)}; end its name in one of them")
