@@ -18,7 +18,7 @@ from benchmarks.trajectories import record
 from neol.neat.reproduction import Reproduction
 from neol.network.forward import Networks
 from neol.rollout import Engine, Rollouts, make_engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.run import evolution
 from neol.run.evolution import Evolution
 from neol.run.runner import run_seed

@@ -23,8 +23,9 @@ from benchmarks.trajectories import (
     seconds_of_resets,
 )
 from neol.rollout import Engine, make_engine
+from neol.rollout.environment import network_size
 from neol.rollout.fast import FastEngine
-from neol.rollout.reference import ReferenceEngine, network_size
+from neol.rollout.reference import ReferenceEngine
 from neol.rollout.worlds.box2d import library as box2d
 from neol.rollout.worlds.box2d.environment import Simulation
 from neol.spec.constants import Task

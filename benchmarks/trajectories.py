@@ -22,9 +22,9 @@ from neol.base.kernel import kernel, loop_kernel
 from neol.network.forward import Networks
 from neol.random.pcg64 import State, seed_pcg64
 from neol.rollout.engine import Engine, Rollouts
+from neol.rollout.environment import make_environment
 from neol.rollout.episodes import Batch, Slots, play_batch
 from neol.rollout.fast import FastEngine
-from neol.rollout.reference import make_environment
 from neol.rollout.worlds.box2d import library as box2d
 from neol.rollout.worlds.hopper.environment import FRAME_SKIP
 from neol.spec.constants import Plasticity, Task

@@ -12,6 +12,10 @@ INTERRUPTED, TERMINATED = "interrupted", "terminated"
 """First words after `neol: ` where a signal stopped a run, which is no error either."""
 
 
+FOREIGN = (Exception, SystemExit)
+"""What code that is not ours may raise; Ctrl-C is none of it."""
+
+
 class UserError(Exception):
     """Error outside neol (input, disk, environment): one line says what, where and how to fix it.
 
@@ -21,6 +25,12 @@ class UserError(Exception):
 
     def __init__(self, line: str) -> None:
         super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in line))
+
+
+def described(error: BaseException) -> str:
+    """An error of code that is not ours: its type and, in one line, the beginning of its text."""
+    text = " ".join(str(error).split())[:200]
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 _PLAIN_WORDS = {

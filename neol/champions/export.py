@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 
 from neol.champions.player import Player
-from neol.rollout.reference import make_environment
+from neol.rollout.environment import make_environment
 from neol.spec.observations import names
 from neol.spec.types import Model
 

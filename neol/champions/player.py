@@ -15,7 +15,8 @@ from neol.neat.genome import Genome, Pool
 from neol.network.forward import Networks
 from neol.random.seeds import held_out_seeds
 from neol.rollout import make_engine
-from neol.rollout.reference import Observer, ReferenceEngine, Step, network_size
+from neol.rollout.environment import network_size
+from neol.rollout.reference import Observer, ReferenceEngine, Step
 from neol.run.record import Record, SeedInfo
 from neol.run.record_file import read_record
 from neol.spec.run_spec import RunSpec

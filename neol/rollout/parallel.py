@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from functools import cache
 from multiprocessing.connection import Connection
 
 import numpy as np
@@ -88,14 +89,15 @@ class ProcessEngine:
         self._executor.shutdown(cancel_futures=True)
 
 
-_worker_engine: Engine
+_make_worker_engine: Callable[[], Engine]
 
 
 def _begin_worker(make_engine: Callable[[], Engine], closed: Connection) -> None:
-    global _worker_engine
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    global _make_worker_engine
+    for ending in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(ending, signal.SIG_IGN)  # sent to the group; the parent handles it
     threading.Thread(target=_end_with_engine, args=(closed,), daemon=True).start()
-    _worker_engine = make_engine()
+    _make_worker_engine = cache(make_engine)
 
 
 def _end_with_engine(closed: Connection) -> None:
@@ -107,4 +109,5 @@ def _end_with_engine(closed: Connection) -> None:
 def _evaluate(
     networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
 ) -> Rollouts:
-    return _worker_engine.evaluate(networks, seeds, plasticity)
+    """Made here, the engine can say why it cannot be: an initializer only ends its process."""
+    return _make_worker_engine().evaluate(networks, seeds, plasticity)

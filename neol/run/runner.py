@@ -16,7 +16,7 @@ import numpy.typing as npt
 from neol.base.errors import UserError
 from neol.neat.genome import Genome
 from neol.rollout import Engine, EngineName, make_engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.run.checkpoint import TimeSpent, read_checkpoint, snapshot, write_checkpoint
 from neol.run.evolution import Evolution, Generation
 from neol.run.provenance import checkout, provenance

@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from neol.base.errors import UserError, hint, one_line
+from neol.base.errors import FOREIGN, UserError, described, hint, one_line
 from neol.base.files import write_atomically
 from neol.network.rules import RULES
 from neol.spec.constants import (
@@ -246,8 +246,10 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
         if registered.max_episode_steps is None:  # also if it was removed: making it says so
             with warnings.catch_warnings(action="ignore"):
                 gymnasium.make(environment, disable_env_checker=True).close()
-    except Exception as error:  # the environment is not ours
+    except gymnasium.error.Error as error:
         raise UserError(f'task "{task}": {" ".join(str(error).split())}') from None
+    except FOREIGN as error:
+        raise UserError(f'task "{task}": cannot be made: {described(error)}') from error
     constants = {"environment": environment, "fresh_world": True}
     if registered.max_episode_steps is not None:
         constants["max_steps"] = registered.max_episode_steps

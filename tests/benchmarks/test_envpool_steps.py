@@ -7,7 +7,7 @@ import pytest
 from benchmarks.networks import initial_topology
 from neol.network.forward import Networks, forward
 from neol.rollout import make_engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.spec.configuration import load_configuration
 from neol.spec.run_spec import RunSpec
 

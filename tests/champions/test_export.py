@@ -15,7 +15,7 @@ from neol.champions import export as exports
 from neol.champions.export import Exported, Node, export, to_json
 from neol.champions.onnx_export import to_onnx
 from neol.champions.player import Player, Trace
-from neol.rollout.reference import make_environment
+from neol.rollout.environment import make_environment
 from neol.spec.configuration import ROOT
 from tests.champions.conftest import MakePlayer
 

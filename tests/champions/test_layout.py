@@ -6,7 +6,7 @@ from neol.champions.layout import edges, graph, layers
 from neol.champions.player import Player
 from neol.neat.decoding import decode
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.spec.configuration import load_configuration
 from neol.spec.observations import NAMES, names
 from tests.helpers.runs import run_spec

@@ -1,4 +1,4 @@
-"""An environment that raises, or ends its process, in some episodes while a file tells it to."""
+"""Environments that misbehave in some episodes, one of them while a file tells it to."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from neol.rollout.reference import ReferenceEngine
 from neol.spec.constants import Task
 
 TROUBLE = "NEOL_TEST_TROUBLE"
-"""Names a file that holds `raise` or `die`."""
+"""Names a file that holds `raise`, `shorten` or `die`."""
 
 
 class Troubled(gymnasium.Env[Any, Any]):
@@ -32,9 +32,13 @@ class Troubled(gymnasium.Env[Any, Any]):
     def step(self, action: Any) -> Any:
         self.left -= 1
         if self.bad and self.left == 3 and Path(os.environ[TROUBLE]).exists():
-            if Path(os.environ[TROUBLE]).read_text() == "die":
-                os.kill(os.getpid(), signal.SIGKILL)
-            raise ZeroDivisionError("no\nluck")
+            match Path(os.environ[TROUBLE]).read_text():
+                case "die":
+                    os.kill(os.getpid(), signal.SIGKILL)
+                case "shorten":
+                    return np.zeros(2), 1.0, False, False, {}
+                case _:
+                    raise ZeroDivisionError("no\nluck")
         return self.np_random.uniform(-1.0, 1.0, 3), float(action), self.left == 0, False, {}
 
 
@@ -55,18 +59,18 @@ def make_engine(_task: Task, _choice: str, workers: int) -> Engine:
 
 
 class Treacherous(gymnasium.Env[Any, Any]):
-    """Ends well for half of the seeds; for the others something becomes NaN at the third step."""
+    """Ends well for some of the seeds; for the others something becomes NaN at the third step."""
 
     action_space = gymnasium.spaces.Discrete(2)
     observation_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), np.float64)
 
-    def __init__(self, poison: str = "observation") -> None:
-        self.poison = poison
+    def __init__(self, poison: str = "observation", share: float = 0.5) -> None:
+        self.poison, self.share = poison, share
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         super().reset(seed=seed)
         self.left = 6
-        self.bad = self.np_random.random() < 0.5
+        self.bad = self.np_random.random() < self.share
         return self._observation(), {}
 
     def step(self, action: Any) -> Any:
@@ -90,6 +94,7 @@ class Image(Treacherous):
 for name, kind, settings in (
     ("NaNObservation-v0", Treacherous, {"poison": "observation"}),
     ("NaNReward-v0", Treacherous, {"poison": "reward"}),
+    ("NaNAlways-v0", Treacherous, {"share": 1.0}),
     ("Image-v0", Image, {}),
 ):
     gymnasium.register(name, kind, kwargs=settings, max_episode_steps=10)

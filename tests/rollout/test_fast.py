@@ -14,9 +14,10 @@ from neol.neat.decoding import decode
 from neol.network.forward import ACTIVATIONS, Networks
 from neol.network.rules import NO_RULE, RULES
 from neol.rollout import Engine, Rollouts, make_engine
+from neol.rollout.environment import network_size
 from neol.rollout.episodes import Batch, Slots
 from neol.rollout.fast import FastEngine, fast_engine
-from neol.rollout.reference import ReferenceEngine, network_size
+from neol.rollout.reference import ReferenceEngine
 from neol.rollout.worlds.box2d import environment
 from neol.rollout.worlds.box2d import library as box2d
 from neol.rollout.worlds.hopper import environment as hopper

@@ -7,7 +7,8 @@ import pytest
 
 from neol.base.errors import UserError
 from neol.rollout import make_engine
-from neol.rollout.reference import ReferenceEngine, Step, make_environment, network_size
+from neol.rollout.environment import make_environment, network_size
+from neol.rollout.reference import ReferenceEngine, Step
 from neol.spec.configuration import load_configuration
 from neol.spec.constants import Plasticity, Task
 from tests.helpers.networks import outputs_of, random_networks

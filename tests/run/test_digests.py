@@ -17,7 +17,7 @@ import pytest
 
 from neol.base.errors import UserError
 from neol.rollout import EngineName, make_engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.rollout.worlds.box2d import library as box2d
 from neol.run.evolution import Evolution
 from neol.run.record_file import read_record

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from neol.pictures.labels import drawn, method_label, task_label
 from neol.pictures.style import GREY, WIDTH, drawing, styles
 from neol.rollout import make_engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.run.evolution import Evolution, Generation
 from neol.run.record import HeldOut
 from neol.spec.configuration import load_configuration

@@ -12,7 +12,7 @@ from pathlib import Path
 from neol.base.errors import UserError
 from neol.neat.population import Population
 from neol.rollout import Engine, make_engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.run.evolution import COLUMNS, Evolution
 from neol.run.record import Champion, HeldOut, Record, SeedInfo
 from neol.run.record_file import read_record

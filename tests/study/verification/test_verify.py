@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from neol.base.errors import UserError
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.run.runner import run_block
 from neol.spec.configuration import load_configuration
 from neol.spec.observations import size_of
