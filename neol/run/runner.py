@@ -58,7 +58,8 @@ def run_seed(
     """Run one seed to its end, from its checkpoint where that exists.
 
     Checkpoints are written after every `checkpoint_every` generations and, whatever ends the run
-    early, for the last generation that was completed.
+    early, for the last generation that was completed. Raises UserError where the environment
+    misbehaves, and where all evaluations of the run failed.
     """
     if checkpoint is not None and checkpoint.exists():
         evolution, spent = read_checkpoint(checkpoint, spec)
@@ -95,6 +96,14 @@ def run_seed(
             place = "held-out episodes" if done.finished else f"generation {done.generation + 1}"
             raise UserError(f"seed {spec.seed}, {place}: {error}") from error
         raise
+    last = evolution.history[-1]
+    if last.failed_evaluations == last.evaluations:
+        save()
+        raise UserError(
+            f"seed {spec.seed}: all {last.evaluations} evaluations failed: {spec.task.environment} "
+            "gives observations or rewards that are not finite, or weights grow without bound; "
+            "fix it, or choose another learning rate, and begin again"
+        )
     return SeedResult(
         spec=spec,
         history=evolution.history,

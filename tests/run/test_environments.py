@@ -27,6 +27,15 @@ def test_nan_is_counted_and_the_run_goes_on(environment: str, tmp_path: Path) ->
     assert result(read_record(tmp_path / "run.parquet", spec)) == result(record)
 
 
+def test_a_run_whose_evaluations_all_failed_is_no_success(tmp_path: Path) -> None:
+    spec = run_spec(task="gym:NaNAlways-v0")
+    output = tmp_path / "run.parquet"
+    said = refusal(block, output, spec, seeds=(0,))
+    assert said.startswith("seed 0: all 32 evaluations failed: NaNAlways-v0 gives observations")
+    assert refusal(block, output, spec, seeds=(0,), resume=True) == said
+    assert not output.exists()
+
+
 def test_an_image_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     spec = run_spec(task="gym:Image-v0")
     with pytest.raises(UserError, match=r"Image-v0 observes .*a network needs a flat Box"):
