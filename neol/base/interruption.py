@@ -1,20 +1,26 @@
-"""Ctrl-C and SIGTERM: a signal asks a run to stop; the run checks for it between steps of work."""
+"""Ctrl-C, SIGTERM and others: a signal asks a run to stop; the run checks for it between steps of work."""
 
 import contextlib
 import signal
 from collections.abc import Iterator
 from types import FrameType
 
+REPEATED = (signal.SIGHUP, signal.SIGXCPU)
+"""A closed terminal and a CPU limit. The system sends them more than once, so the second one does
+not mean that somebody is impatient."""
+ENDING = (signal.SIGINT, signal.SIGTERM, *REPEATED)
+"""The signals that ask a run to stop. All others, such as SIGALRM, are left to environments."""
+
 
 class Terminated(KeyboardInterrupt):
-    """Interrupt raised by SIGTERM."""
+    """Interrupt raised by SIGTERM, SIGHUP or SIGXCPU."""
 
 
 _asked: type[KeyboardInterrupt] | None = None
 
 
 def stop_if_asked() -> None:
-    """Raise KeyboardInterrupt after Ctrl-C and Terminated after SIGTERM, within `interruptible`.
+    """Raise KeyboardInterrupt after Ctrl-C, Terminated after others, within `interruptible`.
 
     Long computations call it between two pieces of work.
     """
@@ -24,7 +30,7 @@ def stop_if_asked() -> None:
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """Defer Ctrl-C and SIGTERM to the next `stop_if_asked`; a second signal acts at once.
+    """Defer `ENDING` signals to the next `stop_if_asked`; a second Ctrl-C or SIGTERM acts at once.
 
     An exception raised in a signal handler could surface where a library expects none, in a
     finaliser or during compilation. A signal that is ignored outside (Ctrl-C in a shell's
@@ -34,12 +40,13 @@ def interruptible() -> Iterator[None]:
 
     def ask(number: int, _frame: FrameType | None) -> None:
         global _asked
-        stop_if_asked()
-        _asked = Terminated if number == signal.SIGTERM else KeyboardInterrupt
+        if number not in REPEATED:
+            stop_if_asked()
+        _asked = KeyboardInterrupt if number == signal.SIGINT else Terminated
 
     before = {
         number: signal.signal(number, ask)
-        for number in (signal.SIGTERM, signal.SIGINT)
+        for number in ENDING
         if signal.getsignal(number) != signal.SIG_IGN
     }
     try:

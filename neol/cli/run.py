@@ -162,7 +162,7 @@ def parse_seeds(text: str) -> list[int]:
 
 @contextlib.contextmanager
 def _says_how_to_go_on(output: Path) -> Iterator[None]:
-    """Make SIGTERM and Ctrl-C end the run in one line that says how to go on."""
+    """Make Ctrl-C, SIGTERM and the like end the run in one line that says how to go on."""
     from neol.base.interruption import Terminated, interruptible
     from neol.run.workspace import partial_folder
 

@@ -11,13 +11,14 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import cache
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 
 import numpy as np
 import numpy.typing as npt
 
 from neol.base.errors import UserError
-from neol.base.interruption import stop_if_asked
+from neol.base.interruption import ENDING, stop_if_asked
 from neol.network.forward import Networks
 from neol.rollout.engine import Engine, Rollouts
 from neol.spec.constants import Plasticity
@@ -47,6 +48,7 @@ class ProcessEngine:
     def __init__(self, make_engine: Callable[[], Engine], name: str, workers: int) -> None:
         self.name = name
         self._workers = workers
+        _start_tracker()
         spawn = multiprocessing.get_context("spawn")
         closed, self._lifeline = spawn.Pipe(duplex=False)
         self._executor = ProcessPoolExecutor(
@@ -72,6 +74,7 @@ class ProcessEngine:
                 pending = wait(pending, LOOK_SECONDS).not_done
             parts = [future.result() for future in futures]
         except BrokenProcessPool:
+            stop_if_asked()  # the signal may have ended a worker that had only begun
             raise UserError(
                 "a worker process died (killed, or out of memory?); "
                 "run again with --resume, perhaps with fewer --workers"
@@ -89,13 +92,25 @@ class ProcessEngine:
         self._executor.shutdown(cancel_futures=True)
 
 
+def _start_tracker() -> None:
+    """Start multiprocessing's own helper, so that it outlives what is sent to the whole group.
+
+    It inherits what is blocked here, and ignores only Ctrl-C and SIGTERM by itself.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 _make_worker_engine: Callable[[], Engine]
 
 
 def _begin_worker(make_engine: Callable[[], Engine], closed: Connection) -> None:
     global _make_worker_engine
-    for ending in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(ending, signal.SIG_IGN)  # sent to the group; the parent handles it
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)  # sent to the whole group; the parent handles it
     threading.Thread(target=_end_with_engine, args=(closed,), daemon=True).start()
     _make_worker_engine = cache(make_engine)
 

@@ -1,5 +1,6 @@
 """How a command ends that is interrupted, terminated or no longer read."""
 
+import os
 import re
 import signal
 import time
@@ -34,7 +35,13 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.Monk
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("sent", "status", "workers"), [(signal.SIGINT, 130, 2), (signal.SIGTERM, 143, 1)]
+    ("sent", "status", "workers"),
+    [
+        (signal.SIGINT, 130, 2),
+        (signal.SIGTERM, 143, 1),
+        (signal.SIGHUP, 143, 2),
+        (signal.SIGXCPU, 143, 1),
+    ],
 )
 def test_signals_keep_a_checkpoint(
     sent: signal.Signals, status: int, workers: int, tmp_path: Path
@@ -44,7 +51,7 @@ def test_signals_keep_a_checkpoint(
     kept = tmp_path / "a.parquet.partial" / "seed_000000.npz"
     while not kept.exists() and process.poll() is None:
         time.sleep(0.02)
-    process.send_signal(sent)
+    os.killpg(process.pid, sent)  # as a terminal does: workers get it too
     stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == status
     assert stdout == ""

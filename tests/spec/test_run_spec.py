@@ -114,7 +114,10 @@ def test_any_gymnasium_environment_is_a_task():
         ({"task": "hoper"}, 'unknown task "hoper", did you mean "hopper"? (allowed: cartpole, '),
         ({"task": "gym:Acrobat-v1"}, 'task "gym:Acrobat-v1": Environment `Acrobat` doesn\'t exist'),
         ({"task": "gym:Blackjack-v1"}, "gym:Blackjack-v1: Gymnasium sets no step limit for it"),
-        ({"task": "gym:Ant-v2"}, 'task "gym:Ant-v2": cannot be made: ImportError: The mujoco v2 and'),
+        (
+            {"task": "gym:Ant-v2"},
+            'task "gym:Ant-v2": cannot be made: ImportError: The mujoco v2 and',
+        ),
         ({"task": "gym:this:Env-v0"}, 'task "gym:this:Env-v0": no module is imported'),
         ({"task": "gym:"}, 'task "gym:": Malformed environment ID'),
         (
