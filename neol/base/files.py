@@ -1,6 +1,7 @@
 """Files: atomic writing, bounded reading, and the folder of the cache."""
 
 import contextlib
+import errno
 import hashlib
 import os
 import secrets
@@ -13,6 +14,10 @@ from pathlib import Path
 import platformdirs
 
 from neol.base.errors import UserError
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+NOT_SUPPORTED = (errno.EINVAL, errno.ENOTSUP, errno.ENOSYS)
+"""Errors of file systems that cannot flush: CIFS and WSL refuse folders."""
 
 
 def write_atomically(path: Path, content: bytes, *, scratch: Path | None = None) -> None:
@@ -28,16 +33,18 @@ def write_atomically(path: Path, content: bytes, *, scratch: Path | None = None)
         with temporary.open("xb") as file:
             file.write(content)
             file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(path)
-        _flush_folder(path.parent)
+            _flush(file.fileno())
+        _rename(temporary, path, content)
+        with contextlib.suppress(OSError):  # the file is there; only a loss of power could undo it
+            _flush_folder(path.parent)
     except BaseException as error:  # also an interrupt: leave no half-written file
         with contextlib.suppress(OSError):
             temporary.unlink()
         if not isinstance(error, OSError):
             raise
+        remedy = "free some space or " if error.errno in NO_ROOM else ""
         raise UserError(
-            f"{path}: cannot be written ({error.strerror}); free some space or choose another place"
+            f"{path}: cannot be written ({error.strerror}); {remedy}choose another place"
         ) from None
 
 
@@ -111,10 +118,28 @@ def _without_blocking(path: str, flags: int) -> int:
     return os.open(path, flags | os.O_NONBLOCK)
 
 
+def _flush(handle: int) -> None:
+    """Flush a file or folder to disk, where that is supported."""
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno not in NOT_SUPPORTED:
+            raise
+
+
+def _rename(temporary: Path, path: Path, content: bytes) -> None:
+    """Rename a file. NFS may report failure after success: the content of `path` decides."""
+    try:
+        temporary.replace(path)
+    except OSError:
+        if temporary.exists() or not path.is_file() or path.read_bytes() != content:
+            raise
+
+
 def _flush_folder(folder: Path) -> None:
     """Flush a folder to disk, so that a rename in it survives a loss of power."""
     handle = os.open(folder, os.O_RDONLY)
     try:
-        os.fsync(handle)
+        _flush(handle)
     finally:
         os.close(handle)

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and others: a signal asks a run to stop; the run checks for it between steps of work."""
+"""Ctrl-C, SIGTERM and others ask a run to stop; it checks for that between steps of work."""
 
 import contextlib
 import signal

@@ -1,6 +1,5 @@
 """The application: how its commands fail, what their options share."""
 
-import errno
 import os
 import sys
 from pathlib import Path
@@ -11,6 +10,7 @@ from typer.core import TyperGroup
 
 from neol.base.ending import BROKEN_PIPE, USER_ERROR, complain, discard_output
 from neol.base.errors import INTERRUPTED, UserError
+from neol.base.files import NO_ROOM
 
 COMMANDS = {
     "Running": ("run", "status"),
@@ -28,7 +28,6 @@ EXIT_CODES = {
     143: "terminated",
 }
 DISAGREES = 3
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 LONGEST_SUMMARY = 120
 """Characters of what a command is said to do."""
 

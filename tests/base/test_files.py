@@ -3,6 +3,7 @@
 import errno
 import os
 import pwd
+import stat
 from collections.abc import Callable
 from pathlib import Path
 
@@ -24,6 +25,44 @@ def test_written_is_read(tmp_path: Path) -> None:
     write_atomically(tmp_path / "a", b"new")
     assert read_bounded(tmp_path / "a", 3) == b"new"
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
+
+
+@pytest.mark.parametrize("whom", [stat.S_ISDIR, lambda _mode: True], ids=["folder", "all"])
+def test_what_a_file_system_cannot_flush_is_written(
+    whom: Callable[[int], bool], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flush = os.fsync
+
+    def refuse(handle: int) -> None:
+        if whom(os.fstat(handle).st_mode):
+            raise OSError(errno.EINVAL, "Invalid argument")
+        flush(handle)
+
+    monkeypatch.setattr(os, "fsync", refuse)
+    write_atomically(tmp_path / "a", b"new")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
+
+
+@pytest.mark.parametrize("works", [True, False])
+def test_a_rename_that_worked_and_reports_that_it_did_not(
+    works: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rename = Path.replace
+
+    def stale(path: Path, target: Path) -> None:
+        if works:
+            rename(path, target)
+        raise OSError(errno.ESTALE, "Stale file handle")
+
+    write_atomically(tmp_path / "a", b"old")
+    monkeypatch.setattr(Path, "replace", stale)
+    if works:
+        write_atomically(tmp_path / "a", b"new")
+    else:
+        with pytest.raises(UserError, match=r"cannot be written \(Stale file handle\); choose"):
+            write_atomically(tmp_path / "a", b"new")
+    expected = {"a": b"new" if works else b"old"}
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == expected
 
 
 def test_a_full_disk_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
