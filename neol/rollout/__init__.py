@@ -1,4 +1,4 @@
-"""Rollouts: networks play episodes of a task and learn in them. Knows networks, not genomes."""
+"""Rollouts: networks play episodes of a task and learn in them; independent of genomes."""
 
 import sys
 from functools import partial
@@ -14,12 +14,11 @@ __all__ = ["Engine", "EngineName", "Rollouts", "describe", "make_engine"]
 
 
 def make_engine(task: Task, name: EngineName = "auto", workers: int = 1) -> Engine:
-    """The engine that plays a task's episodes, spread over so many workers.
+    """Return the engine that plays a task's episodes with a number of workers.
 
-    `fast` is compiled and exists for the paper's tasks, `reference` runs any environment, `auto`
-    takes the fast one where it can, and says so where what is installed keeps it from that. All
-    return the same bits.
-    Raises UserError where `fast` is asked for and cannot be had, or the environment is unknown.
+    `fast` is compiled and exists for the paper's tasks; `reference` runs any environment; `auto`
+    takes `fast` if possible, and prints a note if the installation prevents it. All return the
+    same bits. Raises UserError if `fast` is requested and unavailable, or the environment unknown.
     """
     from neol.rollout.parallel import ProcessEngine
     from neol.rollout.reference import ReferenceEngine
@@ -38,12 +37,12 @@ def make_engine(task: Task, name: EngineName = "auto", workers: int = 1) -> Engi
             print(notice, file=sys.stderr)
     if workers == 1:
         return ReferenceEngine(task)
-    ReferenceEngine(task).close()  # an impossible task is said here, not in a worker
+    ReferenceEngine(task).close()  # report an impossible task here, not in a worker
     return ProcessEngine(partial(ReferenceEngine, task), ReferenceEngine.name, workers)
 
 
 def describe(task: Task, engine: str) -> str:
-    """An engine by its name and, where it steps Box2D, the path that its physics takes."""
+    """Return an engine's name and, for Box2D, the path of its physics."""
     from neol.rollout.worlds.box2d import library as box2d
 
     core = box2d.load() if engine == "fast" and task.environment in box2d.TASKS else ""

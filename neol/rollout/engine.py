@@ -1,4 +1,4 @@
-"""What an engine is: it plays episodes and lets networks learn in them (paper's Algorithm 2)."""
+"""The interface of an engine, which plays episodes and updates weights (paper's Algorithm 2)."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -13,22 +13,22 @@ from neol.spec.constants import Plasticity
 
 @dataclass(frozen=True, slots=True)
 class Rollouts:
-    """What P networks with N episodes each came to."""
+    """Results of P networks with N episodes each."""
 
     returns: npt.NDArray[np.float64]
-    """float64[P, N]: sum of an episode's rewards; NaN from the episode that failed on."""
+    """float64[P, N]: sum of each episode's rewards; NaN from the first failed episode on."""
     steps: npt.NDArray[np.int64]
     """int64[P, N]: environment steps of each episode."""
     weight: npt.NDArray[np.float64]
-    """float64[E]: the weights that each network's last episode ended with."""
+    """float64[E]: weights at the end of each network's last episode."""
     threshold: npt.NDArray[np.float64]
     """float64[M]: sliding thresholds at the end of the last episode; 0 without a rule."""
     failed: npt.NDArray[np.bool_]
-    """bool[P]: an observation, a weight or a sum of rewards was not finite."""
+    """bool[P]: whether an observation, a weight or a sum of rewards was not finite."""
 
     @classmethod
     def begin(cls, networks: Networks, seeds: npt.NDArray[np.uint64]) -> "Rollouts":
-        """Before the first step, with weights of their own."""
+        """Return the state before the first step, with copies of the weights."""
         return cls(
             returns=np.full(seeds.shape, np.nan),
             steps=np.zeros(seeds.shape, dtype=np.int64),
@@ -40,17 +40,17 @@ class Rollouts:
 
 @runtime_checkable
 class Engine(Protocol):
-    """Plays episodes of one task; which engine plays never shows in a result."""
+    """Player of one task's episodes; results do not depend on which engine plays."""
 
     name: str
 
     def evaluate(
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
     ) -> Rollouts:
-        """Let each network play one episode for each of its seeds, uint64[P, N], in order.
+        """Play one episode for each network and each of its seeds, uint64[P, N], in order.
 
-        With write-back an episode starts from the weights that the one before it ended with,
-        without it from the inherited ones. Thresholds start every episode at 0.
+        With write-back an episode starts from the final weights of the one before it, without it
+        from the inherited weights. Thresholds start every episode at 0.
         """
         ...
 
@@ -60,7 +60,7 @@ class Engine(Protocol):
 
 
 def learning_of(plasticity: Plasticity, threshold: npt.NDArray[np.float64]) -> Learning:
-    """How networks with these thresholds learn. Raises UserError for an unknown rule."""
+    """Return the learning of networks with these thresholds. Raises UserError for unknown rules."""
     return Learning(
         rule=compiled(plasticity.rule),
         gain=plasticity.learning_rate * plasticity.reward_scale,

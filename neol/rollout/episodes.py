@@ -1,13 +1,12 @@
 """Algorithm 2 in compiled code: networks play episodes of a world and learn in them.
 
-A world is a NamedTuple of numbers and arrays with kernels as methods (see `World`). It has room
-for K episodes at once, its slots: each holds an episode of one network, and takes the network's
-next one or the batch's next network when that has ended. An episode is a function of its seed and
-network alone, so results depend neither on K nor on who plays beside whom.
+A world is a NamedTuple of numbers and arrays with kernels as methods (see `World`). It has K
+slots: each holds one network's episode. When that ends, the slot takes the network's next episode
+or the batch's next network. An episode is a function of its seed and network alone, so results
+depend neither on K nor on the networks in other slots.
 
 The loop is written once, here, and compiled into the `play` of each class of worlds with its
-`reset` and `step` inlined; each of these has its cache beside its own class, and loads nothing of
-the others.
+`reset` and `step` inlined. Each class has its own cache and does not load the others.
 """
 
 import math
@@ -29,11 +28,11 @@ Integers = npt.NDArray[np.int64]
 Booleans = npt.NDArray[np.bool_]
 
 STEPS_OF_A_CALL = 2**14
-"""After so many a kernel returns to Python, where Ctrl-C is heard: within a second or two."""
+"""Steps after which a kernel returns to Python, which checks for Ctrl-C: a second or two."""
 
 
 class World(Protocol):
-    """K environments of a kind in compiled code: a NamedTuple with these kernels as methods."""
+    """K environments of one kind in compiled code: a NamedTuple with these kernels as methods."""
 
     def reset(self, slot: int, random: State, observation: Floats) -> None:
         """Begin an episode in a slot with draws from a random stream.
@@ -49,13 +48,13 @@ class World(Protocol):
         reward: Floats,
         ended: Booleans,
     ) -> None:
-        """Act in the slots that play by their networks' outputs, float64[K, outputs].
+        """Take a step in each playing slot by its network's outputs, float64[K, outputs].
 
         Writes their rows of the observations, their rewards and whether their episodes ended.
         """
 
     def play(self, batch: "Batch", slots: "Slots") -> None:
-        """Let the networks of a batch play here: play_batch(self, batch, slots)."""
+        """Play the episodes of a batch: play_batch(self, batch, slots)."""
 
 
 @overload_method(types.BaseNamedTuple, "reset")
@@ -73,10 +72,10 @@ def _step(self, playing, outputs, observation, reward, ended):  # type: ignore[n
 
 
 class Batch(NamedTuple):
-    """Networks that are to play, and what comes of it (`neol.rollout.engine.Rollouts`)."""
+    """Networks to be evaluated, and their results (`neol.rollout.engine.Rollouts`)."""
 
     networks: Networks
-    """Their weights change as they learn."""
+    """Networks whose weights change as they learn."""
     learning: Learning
     inherited_weight: Floats
     """float64[E]."""
@@ -88,7 +87,7 @@ class Batch(NamedTuple):
     steps: Integers
     failed: Booleans
     next: Integers
-    """int64[1]: the network that plays next, in whichever thread."""
+    """int64[1]: the network that plays next; shared by all threads."""
 
     @classmethod
     def of(
@@ -99,7 +98,7 @@ class Batch(NamedTuple):
         max_steps: int,
         rollouts: Rollouts,
     ) -> "Batch":
-        """Networks before their first episode; the results go to `rollouts`."""
+        """Prepare networks for their first episode; results are written to `rollouts`."""
         return cls(
             networks._replace(weight=rollouts.weight),
             learning_of(plasticity, rollouts.threshold),
@@ -115,32 +114,32 @@ class Batch(NamedTuple):
 
 
 class Slots(NamedTuple):
-    """How far the episodes in K slots are: what `play_batch` knows from one call to the next."""
+    """State of the episodes in K slots, kept between two calls of `play_batch`."""
 
     playing: Integers
-    """int64[K]: the slots, first those in use."""
+    """int64[K]: slots, those in use first."""
     used: Integers
-    """int64[1]: how many are in use."""
+    """int64[1]: number of slots in use."""
     network: Integers
-    """int64[K]: who plays."""
+    """int64[K]: network of each slot."""
     left: Integers
-    """int64[K]: how many episodes that network has yet to begin."""
+    """int64[K]: number of episodes that the network has not begun."""
     steps: Integers
-    """int64[K]: of the episode so far."""
+    """int64[K]: steps of the episode so far."""
     total: Floats
-    """float64[K]: its sum of rewards."""
+    """float64[K]: sum of the episode's rewards so far."""
     observation: Floats
     outputs: Floats
     reward: Floats
     ended: Booleans
     values: Floats
-    """float64[K, nodes]: the activities of the network's nodes, as far as it has so many."""
+    """float64[K, nodes]: activities of the network's nodes; the rest of a row is unused."""
     random: State
-    """Room for a random stream."""
+    """Scratch space for a random stream."""
 
     @classmethod
     def empty(cls, number: int, networks: Networks) -> "Slots":
-        """So many slots for any of these networks, none in use."""
+        """Return unused slots, large enough for any of the networks."""
         largest = np.diff(networks.node_offset).max(initial=0)
         return cls(
             np.arange(number),
@@ -160,9 +159,9 @@ class Slots(NamedTuple):
 
 @register_jitable
 def play_batch(world: World, batch: Batch, slots: Slots) -> None:
-    """Let a batch's networks play in a world until `STEPS_OF_A_CALL` or none is left.
+    """Play a batch's episodes in a world until `STEPS_OF_A_CALL` or until none is left.
 
-    Other threads may do so too, each in a world and slots of its own.
+    Several threads may play the same batch, each with its own world and slots.
     """
     used = slots.used[0]
     while used < len(slots.playing) and begin_episode(world, batch, slots, slots.playing[used]):
@@ -187,7 +186,7 @@ def play_batch(world: World, batch: Batch, slots: Slots) -> None:
 
 @register_jitable
 def begin_episode(world: World, batch: Batch, slots: Slots, slot: int) -> bool:
-    """Begin an episode in a slot, its network's next or another's: whether there was one."""
+    """Begin a slot's next episode, of its network or the next one; return whether one was left."""
     population, episodes = batch.seeds.shape
     while True:
         if slots.left[slot] == 0:
@@ -209,7 +208,7 @@ def begin_episode(world: World, batch: Batch, slots: Slots, slot: int) -> bool:
 
 @register_jitable
 def begin_learning(batch: Batch, network: int) -> None:
-    """Set a network's thresholds, and its weights unless it keeps them, to where it starts from."""
+    """Reset a network's thresholds and, without write-back, its weights."""
     first, last = batch.networks.node_offset[network], batch.networks.node_offset[network + 1]
     if not batch.write_back:
         for edge in range(batch.networks.edge_offset[first], batch.networks.edge_offset[last]):
@@ -233,7 +232,7 @@ def act(batch: Batch, slots: Slots, slot: int, values: Floats) -> None:
 
 @register_jitable
 def take_in(batch: Batch, slots: Slots, slot: int, values: Floats) -> bool:
-    """Learn from the step that a slot has taken: whether its episode goes on."""
+    """Learn from a slot's last step; return whether its episode continues."""
     reward = slots.reward[slot]
     slots.total[slot] += reward
     slots.steps[slot] += 1
@@ -249,7 +248,7 @@ def take_in(batch: Batch, slots: Slots, slot: int, values: Floats) -> bool:
 
 @register_jitable
 def end_episode(batch: Batch, slots: Slots, slot: int, failed: bool) -> None:
-    """Write what a slot's episode came to; where it failed, its network begins no other."""
+    """Write the result of a slot's episode; a failed network plays no further episode."""
     network = slots.network[slot]
     episode = batch.seeds.shape[1] - slots.left[slot] - 1
     batch.steps[network, episode] = slots.steps[slot]
@@ -262,7 +261,7 @@ def end_episode(batch: Batch, slots: Slots, slot: int, failed: bool) -> None:
 
 @register_jitable
 def all_finite(observation: Floats) -> bool:
-    """Whether a network can be shown this observation."""
+    """Whether all numbers of an observation are finite."""
     finite = True
     for value in observation:
         finite &= math.isfinite(value)
@@ -271,7 +270,7 @@ def all_finite(observation: Floats) -> bool:
 
 @intrinsic
 def take_next(_typing_context, counter):  # type: ignore[no-untyped-def]
-    """Add one to counter[0] and return what it was, in one go: threads may share the counter."""
+    """Add one to counter[0] atomically and return its old value; threads may share the counter."""
 
     def generate(context, builder, _signature, values):  # type: ignore[no-untyped-def]
         place = context.make_array(counter)(context, builder, values[0]).data

@@ -1,4 +1,4 @@
-"""The fast engine: the paper's tasks in compiled code, with the bits of the reference engine."""
+"""The fast engine: the paper's tasks in compiled code, bit for bit as the reference engine."""
 
 import threading
 from collections.abc import Callable
@@ -18,18 +18,18 @@ from neol.spec.constants import Plasticity, Task
 
 
 class Simulation(Protocol):
-    """Owns what a world points to: the world is good for as long as its simulation lives."""
+    """Owner of the memory that a world points to; the world is valid while its simulation lives."""
 
     @property
     def world(self) -> World: ...
 
     @property
     def slots(self) -> int:
-        """How many episodes the world holds at once."""
+        """Number of episodes that the world holds at once."""
 
 
 class FastEngine:
-    """Plays whole batches without Python and without the GIL, in one simulation per thread."""
+    """Engine that plays whole batches without Python and the GIL, one simulation per thread."""
 
     name = "fast"
 
@@ -37,10 +37,10 @@ class FastEngine:
         self, make_simulation: Callable[[], Simulation], max_steps: int, workers: int = 1
     ) -> None:
         self.make_simulation = make_simulation
-        """For a simulation more, like those that play here."""
+        """Maker of one more simulation of the task."""
         self._max_steps = max_steps
         self._workers = workers
-        self._executor = ThreadPoolExecutor(workers)  # starts its threads when it needs them
+        self._executor = ThreadPoolExecutor(workers)  # starts its threads on demand
         self._of_thread = threading.local()
 
     def evaluate(
@@ -57,11 +57,11 @@ class FastEngine:
             for other in others:
                 other.result()
         finally:
-            over.set()  # after Ctrl-C nobody begins another call
+            over.set()  # after Ctrl-C no thread begins another call
         return rollouts
 
     def _play(self, batch: Batch, over: threading.Event) -> None:
-        """Play in this thread; whoever has a free slot takes the next network of the batch."""
+        """Play in this thread; a free slot takes the next network of the batch."""
         if not hasattr(self._of_thread, "simulation"):
             self._of_thread.simulation = self.make_simulation()
         simulation = self._of_thread.simulation
@@ -79,9 +79,9 @@ class FastEngine:
 
 
 def fast_engine(task: Task, workers: int = 1) -> Engine | str:
-    """The compiled engine of a task, spread over threads, or in one phrase why there is none."""
+    """Return the compiled engine of a task with a number of threads, or why there is none."""
     if task.environment not in WORLDS:
-        return "only the reference engine knows it"
+        return "only the reference engine plays it"
     module = import_module(f"neol.rollout.worlds.{WORLDS[task.environment]}")
     make_simulation: Callable[[], Simulation] | str = module.simulations(task)
     if isinstance(make_simulation, str):

@@ -1,7 +1,7 @@
-"""Environments in compiled code, each bit for bit Gymnasium's. Here every one is declared once.
+"""Environments in compiled code, bit for bit as Gymnasium's; each is declared here once.
 
-A module has the function `simulations`: for a task, what makes simulations of it, or in one phrase
-why nothing here does.
+Its module has a function `simulations`, which returns for a task a maker of simulations, or one
+phrase on why there is none.
 """
 
 WORLDS = {
@@ -11,4 +11,4 @@ WORLDS = {
     "BipedalWalker-v3": "box2d.environment",
     "BipedalWalkerHardcore-v3": "box2d.environment",
 }
-"""The module that plays each of Gymnasium's environments. It is imported when a task needs it."""
+"""Module of each compiled environment, imported when a task needs it."""

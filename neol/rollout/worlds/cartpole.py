@@ -1,6 +1,6 @@
-"""Gymnasium's CartPole-v1 in compiled code, bit for bit: `CartPoleEnv` is the source of every line.
+"""Gymnasium's CartPole-v1 in compiled code, bit for bit; every line follows `CartPoleEnv`.
 
-The state is float64; an observation is the state rounded to float32, widened again for the network.
+The state is float64; an observation is the state rounded to float32 and widened for the network.
 """
 
 import math
@@ -29,14 +29,14 @@ POSITION_LIMIT = 2.4
 
 
 class World(NamedTuple):
-    """Carts with a pole each."""
+    """Carts with one pole each."""
 
     state: Array
     """float64[slots, 4]: position, velocity, angle, angular velocity."""
 
     @loop_kernel
     def reset(self, slot: int, random: State, observation: Array) -> None:
-        """Begin an episode with draws from the random stream."""
+        """Begin an episode with numbers from the random stream."""
         for i in range(4):
             self.state[slot, i] = uniform(-0.05, 0.05, random)
             observation[slot, i] = np.float32(self.state[slot, i])
@@ -50,20 +50,20 @@ class World(NamedTuple):
         reward: Array,
         ended: npt.NDArray[np.bool_],
     ) -> None:
-        """Push each cart to the larger output's side."""
+        """Push each cart to the side of the larger output."""
         for slot in playing:
             ended[slot] = push(self.state[slot], outputs[slot], observation[slot])
             reward[slot] = 1.0
 
     @loop_kernel
     def play(self, batch: Batch, slots: Slots) -> None:
-        """Let the networks of a batch play their episodes here."""
+        """Play the episodes of a batch."""
         play_batch(self, batch, slots)
 
 
 @loop_kernel
 def push(state: Array, outputs: Array, observation: Array) -> bool:
-    """Take a step with one cart: whether the episode has ended."""
+    """Take a step with one cart; return whether the episode has ended."""
     x, x_dot, theta, theta_dot = state
     force = FORCE if np.argmax(outputs) == 1 else -FORCE
     cos, sin = math.cos(theta), math.sin(theta)
@@ -86,7 +86,7 @@ def push(state: Array, outputs: Array, observation: Array) -> bool:
 
 
 class Simulation:
-    """Carts with a pole each, in memory of their own."""
+    """Memory of the carts."""
 
     def __init__(self, slots: int = 1) -> None:
         self.slots = slots
@@ -94,5 +94,5 @@ class Simulation:
 
 
 def simulations(_task: Task) -> Callable[[], Simulation]:
-    """What makes simulations of the task."""
+    """Return the maker of the task's simulations."""
     return Simulation

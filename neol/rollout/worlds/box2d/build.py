@@ -1,8 +1,9 @@
 """Build the C++ core: `python -m neol.rollout.worlds.box2d.build`.
 
-Fetches Box2D's source through pip by its hash, compiles it with the core into one library beside
-this file, and keeps that only if it plays as Gymnasium does on this machine. Where any of this
-fails it says so in one line and exits with 0: the reference engine serves.
+It fetches Box2D's source through pip by its hash, compiles it with the core into one library beside
+this file, and keeps the library only if it plays exactly as Gymnasium does on this machine. A
+failure is reported in one line with exit code 0, because the reference engine gives the same
+results.
 """
 
 import contextlib
@@ -50,21 +51,21 @@ SANITIZE = (
     "-g1",
     "-fno-access-control",
     "-fsanitize=address,undefined",
-    "-fno-sanitize=null,vptr",  # of these the first crashes anyway; both compile slowly
+    "-fno-sanitize=null,vptr",  # null crashes without it; both are slow to compile
     "-fno-sanitize-recover=all",
 )
-"""Instead of FLAGS: the core as the tests run it, each bad access and undefined result fatal."""
+"""Flags of the core in tests, in place of FLAGS: bad access and undefined behaviour are fatal."""
 
 EPISODES, STEPS = 20, 100
-"""So many episodes of so many steps at most have to be Gymnasium's: more than one vector holds."""
+"""Episodes that must equal Gymnasium's, more than a vector holds, and their largest length."""
 
 
 class BuildError(Exception):
-    """Why there is no core: one line."""
+    """The core cannot be built; the message is one line."""
 
 
 def find_compiler() -> list[str]:
-    """The C++ compiler's command: $CXX or the first of the usual names."""
+    """Return the C++ compiler's command: $CXX, or the first of the usual names."""
     if os.environ.get("CXX"):
         return shlex.split(os.environ["CXX"])
     for name in ("c++", "g++", "clang++"):
@@ -74,7 +75,7 @@ def find_compiler() -> list[str]:
 
 
 def fetch_source(folder: Path) -> Path:
-    """Unpack Box2D's source into a folder. Its archive is kept in the user's cache."""
+    """Unpack Box2D's source into a folder; keep its archive in the user's cache."""
     expected = re.findall(r"--hash=sha256:(\w+)", LOCK.read_text())[0]
     archive = cache_folder() / f"box2d-{expected[:16]}.tar.gz"
     content = archive.read_bytes() if archive.exists() else b""
@@ -93,10 +94,10 @@ def fetch_source(folder: Path) -> Path:
 
 
 def compile_core(flags: Sequence[str], output: Path, *extra_sources: Path) -> None:
-    """Compile the core and all of Box2D, the latter as one unit and as a system's header.
+    """Compile the core and Box2D, which is one unit and included as a system header.
 
-    A header in stub/ is in place of Box2D's own, and of the unit of its name. `flags` are the
-    compiler's and the linker's.
+    A header in stub/ replaces Box2D's own header and the unit of the same name. `flags` are those
+    of the compiler and the linker.
     """
     compiler = find_compiler()
     with tempfile.TemporaryDirectory() as name:
@@ -126,7 +127,7 @@ def compile_core(flags: Sequence[str], output: Path, *extra_sources: Path) -> No
 
 
 def build() -> bool:
-    """Build the library where it is missing or out of date: whether there was anything to do."""
+    """Build the library if it is missing or out of date; return whether it was built."""
     if not isinstance(load(LIBRARY), str):
         return False
     candidate = LIBRARY.with_name(f".{os.getpid()}.{LIBRARY.name}")
@@ -137,7 +138,7 @@ def build() -> bool:
             raise BuildError(library)
         for environment in TASKS:
             if not plays_like_gymnasium(library, environment):
-                raise BuildError(f"on this machine {environment} would not equal Gymnasium's")
+                raise BuildError(f"on this machine {environment} would differ from Gymnasium's")
         candidate.replace(LIBRARY)
     except OSError as error:
         raise BuildError(str(error)) from None
@@ -147,10 +148,10 @@ def build() -> bool:
 
 
 class _Episode(NamedTuple):
-    """An episode of Gymnasium's with random actions; a row for each step but of `first`."""
+    """An episode in Gymnasium with random actions: one row for each step."""
 
     first: npt.NDArray[np.float32]
-    """The observation that it begins with."""
+    """First observation, before any step."""
     actions: list[npt.NDArray[np.float32]]
     observations: list[list[float]]
     rewards: list[float]
@@ -158,7 +159,7 @@ class _Episode(NamedTuple):
 
 
 def plays_like_gymnasium(library: ctypes.CDLL, environment: str) -> bool:
-    """Whether episodes with random actions come out the same on every path, bit for bit."""
+    """Whether episodes with random actions are equal on every path, bit for bit."""
     episodes = [_gymnasium_episode(environment, seed) for seed in range(EPISODES)]
     return all(_equal(library, environment, path, episodes) for path in available_paths(library))
 
@@ -180,7 +181,7 @@ def _gymnasium_episode(environment: str, seed: int) -> _Episode:
 
 
 def _equal(library: ctypes.CDLL, environment: str, path: str, episodes: Sequence[_Episode]) -> bool:
-    """Whether a group of the core plays these episodes, of the seeds from 0, side by side."""
+    """Whether a group of the core reproduces these episodes, of seeds from 0, side by side."""
     slots = len(episodes)
     action = np.zeros((slots, 4), dtype=np.float32)
     observation = np.empty((slots, len(episodes[0].first)))

@@ -1,7 +1,7 @@
-"""LunarLander-v3 and BipedalWalker-v3 (and its hardcore variant): the C++ core in a kernel's hands.
+"""LunarLander-v3 and BipedalWalker-v3 (also hardcore): the C++ core, called from kernels.
 
-The core's episodes equal Gymnasium's in every bit of observations, rewards and ends, where
-Gymnasium's environment is new for each episode.
+Observations, rewards and ends of the core's episodes equal, bit for bit, those of a new Gymnasium
+environment for each episode.
 """
 
 import ctypes
@@ -25,18 +25,18 @@ Array = npt.NDArray[np.float64]
 
 
 class World(NamedTuple):
-    """A group of simulations of the core: its C functions and itself by address."""
+    """A group of simulations of the core, as addresses of the group and its C functions."""
 
     neol_reset: int
     neol_step: int
     group: int
     discrete: bool
     action: npt.NDArray[np.float32]
-    """float32[slots, 4]: how hard the walker's joints turn; or, first, LunarLander's number."""
+    """float32[slots, 4]: torques of the walker's joints, or LunarLander's action in column 0."""
 
     @loop_kernel
     def reset(self, slot: int, random: State, observation: Array) -> None:
-        """Begin an episode in a new world with draws from the random stream."""
+        """Begin an episode in a new world with numbers from the random stream."""
         call_void(self.neol_reset, self.group, np.int64(slot), random, observation[slot])
 
     @loop_kernel
@@ -48,7 +48,7 @@ class World(NamedTuple):
         reward: Array,
         ended: npt.NDArray[np.bool_],
     ) -> None:
-        """Fire the engines or turn the joints of the slots that play."""
+        """Fire the engines or turn the joints of the playing slots."""
         for slot in playing:
             if self.discrete:
                 self.action[slot, 0] = np.argmax(outputs[slot])
@@ -68,12 +68,12 @@ class World(NamedTuple):
 
     @loop_kernel
     def play(self, batch: Batch, slots: Slots) -> None:
-        """Let the networks of a batch play their episodes here."""
+        """Play the episodes of a batch."""
         play_batch(self, batch, slots)
 
 
 class Simulation:
-    """A group of simulations of the core, which lives as long as this object."""
+    """Owner of a group of simulations of the core, which lives as long as this object."""
 
     def __init__(self, library: ctypes.CDLL, environment: str, path: str, slots: int) -> None:
         group = library.neol_create(TASKS.index(environment), slots, PATHS.index(path))
@@ -89,7 +89,7 @@ class Simulation:
 
 
 def simulations(task: Task) -> Callable[[], Simulation] | str:
-    """What makes groups of simulations of the task, or why nothing can."""
+    """Return the maker of groups of the task's simulations, or why there is none."""
     if task.environment != "LunarLander-v3" and not task.fresh_world:
         return "its C++ core plays every episode in a fresh world"
     library = box2d.load()

@@ -1,4 +1,4 @@
-"""The compiled core as a shared library: where it lies, what it must be made from, loading it."""
+"""The compiled core as a shared library: its path, its sources, and loading it."""
 
 import ctypes
 import hashlib
@@ -16,8 +16,8 @@ LOCK = FOLDER / "box2d.lock"
 FLAGS = (
     "-std=c++17",
     "-O3",
-    "-ffp-contract=off",  # fused multiply-adds would round otherwise than Gymnasium's Box2D
-    "-fno-access-control",  # the solver is ours, the worlds' private state is Box2D's
+    "-ffp-contract=off",  # fused multiply-adds would round differently from Gymnasium's Box2D
+    "-fno-access-control",  # our solver reads the private state of Box2D's worlds
     "-fPIC",
     "-fvisibility=hidden",
 )
@@ -30,20 +30,20 @@ LANES = {
     ),
     "aarch64": (("-DNEOL_LANES=neon",),),
 }.get({"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine()), ())
-"""Flags for each kind of vector of this processor's family; which it has, the core asks it."""
+"""Flags for each kind of vector of this processor family; the core detects those available."""
 
 TASKS = ("LunarLander-v3", "BipedalWalker-v3", "BipedalWalkerHardcore-v3")
-"""Gymnasium ids in the order of the core's own numbers for them."""
+"""Gymnasium ids in the order of the core's numbers for them."""
 PATHS = ("plain", "shortcut", "sse2", "avx2", "avx512", "neon")
-"""Ways to the same bits, in the order of the core's own numbers for them: see lockstep.hpp."""
+"""Algorithms with equal results, in the order of the core's numbers for them (lockstep.hpp)."""
 SLOTS = {"plain": 1, "shortcut": 1, "sse2": 8, "avx2": 16, "avx512": 32, "neon": 8}
-"""How many worlds are best held at once, by path: two vectors of them, where there are vectors."""
+"""Best number of worlds held at once, by path: two vectors of them, if the path uses vectors."""
 PATH_VARIABLE = "NEOL_BOX2D_PATH"
-"""Of the environment: names the path to take."""
+"""Environment variable that sets the path."""
 
 
 def stamp() -> str:
-    """Digest of all that a library is made from: our sources, the lock of Box2D's, the flags."""
+    """Return a digest of all that makes a library: our sources, Box2D's lock, the flags."""
     digest = hashlib.sha256(repr((FLAGS, LANES)).encode())
     for pattern in ("*.lock", "*.?pp", "stub/**/*.h"):
         for path in sorted(FOLDER.glob(pattern)):
@@ -52,9 +52,9 @@ def stamp() -> str:
 
 
 def load(path: Path = LIBRARY) -> ctypes.CDLL | str:
-    """The core, its functions declared; or, in one phrase, why there is none to use.
+    """Return the core with its functions declared, or one phrase on why there is none.
 
-    A stale library is not even opened: the stamp is a string in the file.
+    A stale library is never opened, because the stamp is a string in its file.
     """
     if not path.exists():
         return "its C++ core is not built (python -m neol.rollout.worlds.box2d.build)"
@@ -81,14 +81,14 @@ def load(path: Path = LIBRARY) -> ctypes.CDLL | str:
 
 
 def available_paths(library: ctypes.CDLL) -> list[str]:
-    """The paths that this machine has."""
+    """Return the paths that this machine supports."""
     return [name for number, name in enumerate(PATHS) if library.neol_available(number)]
 
 
 def chosen_path(library: ctypes.CDLL) -> str:
-    """The fastest of them, or the one that the variable NEOL_BOX2D_PATH names.
+    """Return the fastest path, or the one that the variable NEOL_BOX2D_PATH names.
 
-    Raises UserError where this machine does not have that one.
+    Raises UserError if this machine does not support that path.
     """
     path = os.environ.get(PATH_VARIABLE) or PATHS[library.neol_best_path()]
     available = available_paths(library)
