@@ -11,7 +11,7 @@ from neol.base.kernel import kernel
 from neol.random.pcg64 import seed_pcg64, uniform
 from neol.rollout.worlds.hopper import check
 from neol.rollout.worlds.hopper import environment as hopper
-from neol.rollout.worlds.hopper.model import HOPPER, Record, hopper_of, load_model, model_path
+from neol.rollout.worlds.hopper.model import HOPPER, Struct, hopper_of, load_model, model_path
 from tests.helpers.stepwise import Array
 from tests.rollout.worlds.test_hopper import STANDING, stand
 
@@ -117,7 +117,7 @@ FAR_OFF = {
 """Factors where a change by a tenth would show in rare states only."""
 
 
-def wrong(hopper_: Record, name: str, index: tuple[int, ...]) -> Record:
+def wrong(hopper_: Struct, name: str, index: tuple[int, ...]) -> Struct:
     """A hopper with one other number."""
     changed = hopper_.copy()
     values = np.atleast_1d(changed[name]).copy()
