@@ -1,6 +1,6 @@
 """Vectors of six numbers and matrices of six rows, each sum in MuJoCo's order.
 
-Of a symmetric or triangular matrix only the lower triangle is read.
+Only the lower triangle of a symmetric or triangular matrix is read.
 """
 
 import math
@@ -11,7 +11,7 @@ from neol.rollout.worlds.hopper.model import DOFS, LEAST, Array
 
 @loop_kernel
 def dot(a: Array, b: Array) -> float:
-    """Of two vectors of six numbers."""
+    """Dot product of two vectors of six numbers."""
     return float(
         (a[0] * b[0] + a[2] * b[2]) + (a[1] * b[1] + a[3] * b[3]) + (a[4] * b[4] + a[5] * b[5])
     )
@@ -19,7 +19,7 @@ def dot(a: Array, b: Array) -> float:
 
 @loop_kernel
 def dot_four(rows: Array, row: int, x: Array) -> float:
-    """Of the first four numbers of a row, in the order of MuJoCo's vectors (mju_dot)."""
+    """Dot product of a row's first four numbers, in the order of MuJoCo's vectors (mju_dot)."""
     even = rows[row, 0] * x[0] + rows[row, 2] * x[2]
     odd = rows[row, 1] * x[1] + rows[row, 3] * x[3]
     return float(even + odd)
@@ -27,7 +27,7 @@ def dot_four(rows: Array, row: int, x: Array) -> float:
 
 @loop_kernel
 def dot_row(rows: Array, row: int, x: Array) -> float:
-    """Of all six numbers of a row."""
+    """Dot product of a row's six numbers with a vector."""
     return float(dot_four(rows, row, x) + (rows[row, 4] * x[4] + rows[row, 5] * x[5]))
 
 
@@ -38,7 +38,7 @@ def norm(x: Array) -> float:
 
 @loop_kernel
 def multiply(inertia: Array, x: Array, product: Array) -> None:
-    """A symmetric matrix, given by its lower triangle, times a vector (mju_mulSymVecSparse)."""
+    """Multiply a symmetric matrix by a vector (mju_mulSymVecSparse)."""
     for i in range(DOFS):
         product[i] = inertia[i, i] * x[i]
         for j in range(i - 1, -1, -1):
@@ -48,7 +48,7 @@ def multiply(inertia: Array, x: Array, product: Array) -> None:
 
 @loop_kernel
 def factorise(inertia: Array, factor: Array, inverse_diagonal: Array) -> None:
-    """L'DL of the inertia, with ones on L's diagonal (mj_factorI)."""
+    """Factorise the inertia as L'DL, with ones on the diagonal of L (mj_factorI)."""
     for i in range(DOFS):
         for j in range(i + 1):
             factor[i, j] = inertia[i, j]
@@ -65,7 +65,7 @@ def factorise(inertia: Array, factor: Array, inverse_diagonal: Array) -> None:
 
 @loop_kernel
 def solve(factor: Array, inverse_diagonal: Array, x: Array) -> None:
-    """Divide a vector by the factorised inertia, in place (mj_solveLD)."""
+    """Solve for x with the factorised inertia, in place (mj_solveLD)."""
     for i in range(DOFS - 1, 0, -1):
         for j in range(i):
             x[j] -= factor[i, j] * x[i]
@@ -80,7 +80,10 @@ def solve(factor: Array, inverse_diagonal: Array, x: Array) -> None:
 
 @loop_kernel
 def factorise_cholesky(matrix: Array) -> bool:
-    """LL' of a matrix, in its lower triangle; whether it is definite (mju_cholFactor)."""
+    """Factorise a matrix as LL' in its lower triangle; return whether it is definite.
+
+    (mju_cholFactor)
+    """
     for j in range(DOFS):
         square = matrix[j, j] - dot_rows(matrix, j, j, j)
         if square < LEAST:
@@ -94,7 +97,7 @@ def factorise_cholesky(matrix: Array) -> bool:
 
 @loop_kernel
 def dot_rows(matrix: Array, i: int, j: int, count: int) -> float:
-    """Of the first 0 to 5 numbers of two rows, in the order of mju_dot."""
+    """Dot product of the first 0 to 5 numbers of two rows, in the order of mju_dot."""
     total = 0.0
     first = 0
     if count >= 4:
@@ -109,7 +112,7 @@ def dot_rows(matrix: Array, i: int, j: int, count: int) -> float:
 
 @loop_kernel
 def solve_cholesky(factor: Array, vector: Array, x: Array) -> None:
-    """Divide a vector by LL' (mju_cholSolve)."""
+    """Solve LL'x = vector (mju_cholSolve)."""
     x[0] = vector[0] / factor[0, 0]
     x[1] = (vector[1] - factor[1, 0] * x[0]) / factor[1, 1]
     x[2] = (vector[2] - (factor[2, 0] * x[0] + factor[2, 1] * x[1])) / factor[2, 2]
@@ -125,7 +128,10 @@ def solve_cholesky(factor: Array, vector: Array, x: Array) -> None:
 
 @loop_kernel
 def update_cholesky(factor: Array, x: Array, sign: float) -> bool:
-    """Turn the factor of A to that of A + sign * xx'; whether that is definite (mju_cholUpdate)."""
+    """Update the factor of A to that of A + sign * xx'; return whether that is definite.
+
+    (mju_cholUpdate)
+    """
     for k in range(DOFS):
         if x[k] != 0.0:
             diagonal = factor[k, k]

@@ -1,4 +1,4 @@
-"""Whether our own steps have the bits of the MuJoCo that is installed here."""
+"""Check that our own steps equal those of the installed MuJoCo, bit for bit."""
 
 import sys
 from functools import cache
@@ -11,15 +11,15 @@ from neol.rollout.worlds.hopper.model import DOFS, LIMITED, WORK, Struct, hopper
 from neol.rollout.worlds.hopper.runge_kutta import step
 
 STEPS = 4
-"""So many from each state: they start their solver from each other's accelerations."""
+"""Steps from each state; the solver of each starts from the acceleration of the one before."""
 STATES = ([-1.0, 0.0, -1.0, -1.3, -1.3, -1.0], [1.0, 1.4, 1.0, 0.2, 0.2, 1.0])
-"""Least and greatest positions from which steps are compared: in the air, standing, lying."""
+"""Least and greatest positions of the compared states: in the air, standing, lying."""
 
 
 def has_same_bits(model: mujoco.MjModel, hopper: Struct) -> bool:
-    """Whether our own steps with these numbers are the model's, from 100 random states.
+    """Whether our own steps with these constants equal the model's from 100 random states.
 
-    In every other one each joint is about at one of its limits, where these are softest.
+    In every other state each joint is close to one of its limits, where limits are softest.
     """
     data, work = mujoco.MjData(model), np.zeros((), WORK)[()]
     random = np.random.default_rng(0)
@@ -46,7 +46,7 @@ def has_same_bits(model: mujoco.MjModel, hopper: Struct) -> bool:
 
 @cache
 def own_step() -> bool:
-    """Whether our own steps have the bits of this MuJoCo's, asked once; a notice if not."""
+    """Whether our own steps equal this MuJoCo's, tested once; prints a note if they differ."""
     model = load_model()
     same = has_same_bits(model, hopper_of(model))
     if not same:

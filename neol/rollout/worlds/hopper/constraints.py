@@ -7,12 +7,12 @@ from neol.rollout.worlds.hopper.algebra import dot_row
 from neol.rollout.worlds.hopper.model import BODIES, DOFS, LEAST, LIMITED, Struct
 
 APART = 0.01
-"""Parts whose spheres are no further apart may touch, with room for margins and rounding."""
+"""Largest distance of two parts' spheres at which they may touch, with margins and rounding."""
 
 
 @kernel
 def constrain(hopper: Struct, work: Struct) -> int:
-    """Write a row for each constraint: their number, or -1 where parts of the hopper may touch."""
+    """Write a row for each constraint; return their number, or -1 if parts may touch."""
     if may_touch(hopper, work, 0, 2) or may_touch(hopper, work, 0, 3):
         return -1
     if may_touch(hopper, work, 1, 3):
@@ -30,7 +30,7 @@ def constrain(hopper: Struct, work: Struct) -> int:
 
 @loop_kernel
 def may_touch(hopper: Struct, work: Struct, one: int, other: int) -> bool:
-    """Whether the spheres around two bodies meet; those of a body and its parent never collide."""
+    """Whether the spheres around two bodies meet; a body and its parent never collide."""
     x = work.pose[one, 0] - work.pose[other, 0]
     z = work.pose[one, 1] - work.pose[other, 1]
     reach = hopper.bound[one] + hopper.bound[other] + APART
@@ -39,7 +39,7 @@ def may_touch(hopper: Struct, work: Struct, one: int, other: int) -> bool:
 
 @loop_kernel
 def limit(hopper: Struct, work: Struct, joint: int, side: int, row: int) -> int:
-    """Add a joint's lower or upper limit if it is passed: the number of rows.
+    """Add a joint's lower or upper limit if it is exceeded; return the number of rows.
 
     (mj_instantiateLimit, mj_makeImpedance, mj_referenceConstraint)
     """
@@ -62,7 +62,7 @@ def limit(hopper: Struct, work: Struct, joint: int, side: int, row: int) -> int:
 
 @loop_kernel
 def impede(hopper: Struct, distance: float) -> float:
-    """How hard a limit is at a distance (getimpedance): a parabola up, and one down to flat."""
+    """Return a limit's impedance at a distance (getimpedance): two parabolas that join smoothly."""
     least, greatest = hopper.limit_impedance[0], hopper.limit_impedance[1]
     width, midpoint = hopper.limit_impedance[2], hopper.limit_impedance[3]
     x = abs(distance / width)
@@ -77,7 +77,7 @@ def impede(hopper: Struct, distance: float) -> float:
 
 @loop_kernel
 def touch(hopper: Struct, work: Struct, body: int, side: int, row: int) -> int:
-    """Add the contact of an end of a body with the floor, if there is one: the number of rows.
+    """Add the contact of a body's end with the floor, if any; return the number of rows.
 
     (mjc_PlaneCapsule, mju_makeFrame, mj_instantiateContact, mj_referenceConstraint)
     """

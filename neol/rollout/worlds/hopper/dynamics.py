@@ -9,7 +9,7 @@ from neol.rollout.worlds.hopper.model import BODIES, DOFS, LEAST, Array, Struct
 
 @kernel
 def accelerate_smoothly(hopper: Struct, work: Struct) -> None:
-    """From position, velocity and torque all that constraints need, and `smooth_acceleration`."""
+    """Compute the input of constraints and `smooth_acceleration` from the state and torques."""
     place(hopper, work)
     weigh(hopper, work)
     factorise(work.inertia, work.factor, work.inverse_diagonal)
@@ -21,10 +21,10 @@ def accelerate_smoothly(hopper: Struct, work: Struct) -> None:
 
 @loop_kernel
 def place(hopper: Struct, work: Struct) -> None:
-    """Pose each body in turn (mj_kinematics); an axis still holds its hinge's place."""
+    """Compute the pose of each body (mj_kinematics); an axis still holds its hinge's place."""
     x = z = 0.0
     w, y = 1.0, 0.0
-    xx, xz, zx, zz = 1.0, 0.0, 0.0, 1.0  # rotation of the body before
+    xx, xz, zx, zz = 1.0, 0.0, 0.0, 1.0  # rotation of the previous body
     for body in range(BODIES):
         dof = body + 2
         offset_x, offset_z = hopper.position[body, 0], hopper.position[body, 1]
@@ -72,7 +72,7 @@ def turn(x: float, z: float, w: float, y: float) -> tuple[float, float]:
 
 @loop_kernel
 def weigh(hopper: Struct, work: Struct) -> None:
-    """Inertia of the bodies and of the degrees of freedom (mj_comPos, mj_crb)."""
+    """Compute the inertia of the bodies and of the degrees of freedom (mj_comPos, mj_crb)."""
     pose, axis = work.pose, work.axis
     centre_x = centre_z = 0.0
     for body in range(BODIES - 1, -1, -1):
@@ -111,7 +111,7 @@ def weigh(hopper: Struct, work: Struct) -> None:
 def momentum(
     inertia: Array, body: int, turning: float, x: float, z: float
 ) -> tuple[float, float, float]:
-    """A body's spatial inertia times a motion (mju_mulInertVec)."""
+    """Multiply a body's spatial inertia by a motion (mju_mulInertVec)."""
     yy, mass_x, mass_z, mass = (
         inertia[body, 0],
         inertia[body, 1],
@@ -127,7 +127,10 @@ def momentum(
 
 @loop_kernel
 def push(hopper: Struct, work: Struct) -> None:
-    """The forces but those of constraints (mj_comVel, mj_rne, mj_passive, mj_fwdAcceleration)."""
+    """Compute all forces except those of constraints.
+
+    (mj_comVel, mj_rne, mj_passive, mj_fwdAcceleration)
+    """
     axis, force, velocity = work.axis, work.spatial_force, work.velocity
     turning, x, z = 0.0, velocity[0], velocity[1]
     inertial_x, inertial_z = 0.0, hopper.gravity

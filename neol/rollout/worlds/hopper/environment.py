@@ -1,9 +1,8 @@
 """Gymnasium's Hopper-v4 in compiled code, bit for bit.
 
-`HopperEnv` and `MujocoEnv` are the source of every line. Of what they call, mj_forward after a
-reset and mj_rnePostConstraint after a step are left out: neither the observation, the reward nor
-the next step reads what they fill in. mj_step is our own where it gives the same bits, and else
-that of the library in the mujoco wheel.
+Every line follows `HopperEnv` and `MujocoEnv`, without mj_forward after a reset and
+mj_rnePostConstraint after a step, whose results affect neither observation, reward nor the next
+step. mj_step is our own if it gives the same bits, otherwise that of the mujoco wheel's library.
 """
 
 import ctypes
@@ -26,9 +25,9 @@ from neol.rollout.worlds.hopper.runge_kutta import step
 from neol.spec.constants import Task
 
 TELLS_ADDRESSES = all(hasattr(kind, "_address") for kind in (mujoco.MjModel, mujoco.MjData))
-"""Whether MuJoCo's bindings say where its structs lie.
+"""Whether MuJoCo's bindings give the addresses of its structs.
 
-Compiled code must know, and only this private attribute says it.
+Compiled code needs them, and only this private attribute has them.
 """
 
 FRAME_SKIP = 4
@@ -40,14 +39,14 @@ SPEED_LIMIT = 10.0
 
 
 class World(NamedTuple):
-    """A hopper: C functions and structs by address, and views of the state within mjData."""
+    """A hopper: addresses of C functions and structs, and views of the state within mjData."""
 
     mj_reset_data: int
     mj_step: int
     model: int
     data: int
     rest: Array
-    """float64[6]: the positions before an episode's noise."""
+    """float64[6]: initial positions, before an episode's noise is added."""
     position: Array
     """float64[6]: x, z, and the angles of torso, thigh, leg and foot."""
     velocity: Array
@@ -55,7 +54,7 @@ class World(NamedTuple):
     control: Array
     """float64[3]: torques of thigh, leg and foot."""
     warm_start: Array
-    """float64[6]: the acceleration that the next step's solver starts from."""
+    """float64[6]: acceleration that the next step's solver starts from."""
     own_step: bool
     """Whether our own step has MuJoCo's bits."""
     hopper: Struct
@@ -63,7 +62,7 @@ class World(NamedTuple):
 
     @loop_kernel
     def reset(self, slot: int, random: State, observation: Array) -> None:
-        """Begin an episode with draws from the random stream."""
+        """Begin an episode with numbers from the random stream."""
         call_void(self.mj_reset_data, self.model, self.data)
         for i in range(6):
             self.position[i] = self.rest[i] + uniform(-RESET_NOISE, RESET_NOISE, random)
@@ -80,7 +79,7 @@ class World(NamedTuple):
         reward: Array,
         ended: npt.NDArray[np.bool_],
     ) -> None:
-        """Turn the joints by the three outputs; there is one hopper, in one slot."""
+        """Turn the joints by the three outputs; the world has one hopper in one slot."""
         for slot in playing:
             reward[slot] = turn(self, outputs[slot])
             observe(self, observation[slot])
@@ -88,13 +87,13 @@ class World(NamedTuple):
 
     @loop_kernel
     def play(self, batch: Batch, slots: Slots) -> None:
-        """Let the networks of a batch play their episodes here."""
+        """Play the episodes of a batch."""
         play_batch(self, batch, slots)
 
 
 @loop_kernel
 def turn(world: World, outputs: Array) -> float:
-    """Take a step with these torques, clipped to +-1: the reward."""
+    """Take a step with the outputs as torques, clipped to +-1; return the reward."""
     squares = np.float32(0.0)
     for i in range(3):
         action = np.float32(min(max(outputs[i], -1.0), 1.0))
@@ -111,7 +110,7 @@ def turn(world: World, outputs: Array) -> float:
 
 @loop_kernel
 def advance(world: World) -> bool:
-    """Take our own step, if it can be taken."""
+    """Take our own step; return False if MuJoCo must take it."""
     return step(
         world.hopper, world.work, world.position, world.velocity, world.control, world.warm_start
     )
@@ -119,7 +118,7 @@ def advance(world: World) -> bool:
 
 @loop_kernel
 def observe(world: World, observation: Array) -> None:
-    """Write the observation, float64[11]: positions but x, and velocities clipped to +-10."""
+    """Write the observation, float64[11]: positions without x, and velocities clipped to +-10."""
     for i in range(1, 6):
         observation[i - 1] = world.position[i]
     for i in range(6):
@@ -128,7 +127,7 @@ def observe(world: World, observation: Array) -> None:
 
 @loop_kernel
 def is_healthy(world: World) -> bool:
-    """Whether the hopper stands: height, torso angle and all else but x within bounds."""
+    """Whether the hopper stands: height, torso angle and all other numbers but x within bounds."""
     healthy = 0.7 < world.position[1] < math.inf and -0.2 < world.position[2] < 0.2
     for i in range(2, 6):
         healthy &= -100.0 < world.position[i] < 100.0
@@ -138,7 +137,7 @@ def is_healthy(world: World) -> bool:
 
 
 class Simulation:
-    """MuJoCo's model and data of one hopper, which live as long as this object."""
+    """Owner of MuJoCo's model and data of one hopper, which live as long as this object."""
 
     slots = 1
 
@@ -147,8 +146,8 @@ class Simulation:
         self._data = mujoco.MjData(self._model)
         assert self._model.opt.timestep * FRAME_SKIP == SECONDS
         library = ctypes.CDLL(str(next(Path(mujoco.__file__).parent.glob("libmujoco*"))))
-        # MuJoCo's bindings have it look at the clock throughout a step, for a profile that nobody
-        # reads here: a seventh of the time. In the whole process it looks no more.
+        # MuJoCo's bindings install a timer for a profile that is not used here; it takes a seventh
+        # of a step. This disables MuJoCo's timer for the whole process.
         ctypes.c_void_p.in_dll(library, "mjcb_time").value = None
         self.world = World(
             mj_reset_data=address(library.mj_resetData),
@@ -167,7 +166,7 @@ class Simulation:
 
 
 def simulations(_task: Task) -> Callable[[], Simulation] | str:
-    """What makes simulations of the task, or why nothing can."""
+    """Return the maker of the task's simulations, or why there is none."""
     if not TELLS_ADDRESSES:
-        return "this version of mujoco does not say where its structs lie"
+        return "this version of mujoco hides the addresses of its structs"
     return Simulation

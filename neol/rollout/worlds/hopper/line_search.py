@@ -1,16 +1,16 @@
-"""An exact line search: how far to go in a direction."""
+"""An exact line search: the best step along a direction."""
 
 from neol.base.kernel import kernel, loop_kernel
 from neol.rollout.worlds.hopper.algebra import dot, dot_row, multiply, norm
 from neol.rollout.worlds.hopper.model import LEAST, Struct
 
 Point = tuple[float, float, float, float]
-"""Of a line search: step, cost above that of no step, its slope and its curvature."""
+"""Point of a line search: step, cost relative to no step, slope, curvature."""
 
 
 @kernel
 def search_line(hopper: Struct, work: Struct, rows: int, scale: float) -> tuple[float, float]:
-    """Find the step along `search` with the least cost: it, and what it gains (PrimalSearch)."""
+    """Find the step along `search` with the least cost; return it and its gain (PrimalSearch)."""
     length = norm(work.search)
     if length < LEAST:
         return 0.0, 0.0
@@ -77,7 +77,7 @@ def prepare(work: Struct, rows: int) -> None:
 
 @kernel
 def evaluate(work: Struct, rows: int, step: float) -> Point:
-    """Cost, slope and curvature after a step along `search` (PrimalEval)."""
+    """Compute cost, slope and curvature after a step along `search` (PrimalEval)."""
     cost = constant = 0.0
     linear, square = work.gauss[0], work.gauss[1]
     for row in range(rows):
@@ -102,7 +102,7 @@ def newton_point(point: Point) -> float:
 
 @loop_kernel
 def narrow(end: Point, candidate: Point) -> Point:
-    """The candidate if its slope has the sign of the bracket's end and is less steep."""
+    """Return the candidate if its slope has the sign of the bracket's end and is less steep."""
     if end[2] < candidate[2] < 0.0 or end[2] > candidate[2] > 0.0:
         return candidate
     return end

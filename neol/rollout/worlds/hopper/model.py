@@ -1,7 +1,7 @@
-"""The hopper's own numbers, and the room that its physics works in.
+"""The hopper's constants, and the scratch space of its physics.
 
-Both are records, which kernels take as one pointer; as tuples of arrays they cost more time than
-the physics itself.
+Both are numpy records, which kernels take as one pointer; passing tuples of arrays would take more
+time than the physics itself.
 """
 
 import math
@@ -19,9 +19,9 @@ Struct = Any
 """A record of `HOPPER` or `WORK`."""
 
 BODIES, DOFS, LIMITED = 4, 6, 3
-"""Torso, thigh, leg, foot; x, z and their four angles, of which the last three have limits."""
+"""Torso, thigh, leg, foot; x, z and four angles; the last three angles have limits."""
 ROWS = LIMITED + BODIES * 2 * 4
-"""Constraints at most: a limit is one, and so is each of the four edges of a contact's pyramid.
+"""Largest number of constraints: one for each limit, four (a pyramid's edges) for each contact.
 
 Both ends of each part can touch the floor.
 """
@@ -35,10 +35,10 @@ def _record(**shapes: tuple[int, ...]) -> np.dtype[np.void]:
 
 HOPPER = _record(
     # of each body
-    position=(BODIES, 2),  # of its frame in its parent's
-    anchor=(BODIES, 2),  # of its hinge in its own frame
-    centre=(BODIES, 2),  # of its mass and of its capsule
-    turn=(BODIES, 2),  # of its capsule
+    position=(BODIES, 2),  # origin of its frame in its parent's frame
+    anchor=(BODIES, 2),  # its hinge in its own frame
+    centre=(BODIES, 2),  # centre of its mass and of its capsule
+    turn=(BODIES, 2),  # rotation of its capsule
     mass=(BODIES,),
     inertia=(BODIES,),  # about y
     half_length=(BODIES,),
@@ -50,7 +50,7 @@ HOPPER = _record(
     rest=(DOFS,),
     armature=(DOFS,),
     damping=(DOFS,),
-    # of each limited one
+    # of each limited degree of freedom
     gear=(LIMITED,),
     limit=(LIMITED, 2),
     limit_inverse_weight=(LIMITED,),
@@ -75,9 +75,9 @@ WORK = _record(
     velocity=(DOFS,),
     # of each body: centre x, z; its axis x, z; yy of its rotation
     pose=(BODIES, 5),
-    centre=(2,),  # of all mass
+    centre=(2,),  # centre of all mass
     spatial_inertia=(BODIES, 4),  # about `centre`: yy, mass * x, mass * z, mass
-    composite_inertia=(BODIES, 4),  # with all that hangs on it
+    composite_inertia=(BODIES, 4),  # including all bodies below it
     spatial_force=(BODIES, 3),
     axis=(DOFS, 3),
     inertia=(DOFS, DOFS),  # lower triangles, here and below
@@ -105,14 +105,14 @@ WORK = _record(
     search_momentum=(DOFS,),
     update=(DOFS,),
     gauss=(2,),
-    # Runge and Kutta's
+    # Runge-Kutta method
     velocity_sum=(DOFS,),
     acceleration_sum=(DOFS,),
 )
 
 
 def hopper_of(model: mujoco.MjModel) -> Struct:
-    """A record of `HOPPER`, from MuJoCo's model."""
+    """Return a record of `HOPPER` from MuJoCo's model."""
     body, plane, hinge = slice(1, 5), [0, 2], slice(3, 6)
     hopper = np.zeros((), HOPPER)
     hopper["position"] = model.body_pos[body, plane]
@@ -156,14 +156,14 @@ def hopper_of(model: mujoco.MjModel) -> Struct:
 
 
 def _spring(reference: Any, greatest: float) -> tuple[float, float]:
-    """K and B of a constraint (mj_makeImpedance)."""
+    """Return K and B of a constraint (mj_makeImpedance)."""
     time, ratio = reference
     stiffness = 1.0 / (greatest * greatest * time * time * ratio * ratio)
     return stiffness, 2.0 / (greatest * time)
 
 
 def _contact_weight(friction: float, inverse_weight: float, impedance: float) -> float:
-    """D of the edges of a contact's pyramid (mj_diagApprox, mj_makeImpedance)."""
+    """Return D of the edges of a contact's pyramid (mj_diagApprox, mj_makeImpedance)."""
     diagonal = inverse_weight + friction * friction * inverse_weight
     regularisation = (1.0 - impedance) * diagonal / impedance
     mu = friction * math.sqrt(regularisation / regularisation)
@@ -171,7 +171,7 @@ def _contact_weight(friction: float, inverse_weight: float, impedance: float) ->
 
 
 def model_path() -> Path:
-    """Where Gymnasium has its hopper."""
+    """Return the path of Gymnasium's hopper model."""
     gymnasium = find_spec("gymnasium")
     assert gymnasium is not None and gymnasium.origin is not None
     return Path(gymnasium.origin).parent / "envs" / "mujoco" / "assets" / "hopper.xml"
@@ -179,5 +179,5 @@ def model_path() -> Path:
 
 @cache
 def load_model() -> mujoco.MjModel:
-    """Gymnasium's hopper, as it is."""
+    """Load Gymnasium's hopper model unchanged."""
     return mujoco.MjModel.from_xml_path(str(model_path()))

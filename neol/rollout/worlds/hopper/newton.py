@@ -1,7 +1,7 @@
 """The acceleration under constraints: Newton's method with an exact line search.
 
-It minimises a convex cost: that of an acceleration's distance from the one without constraints,
-and 0.5 * weight * residual^2 of each row that is active, that is whose residual is negative.
+It minimises a convex cost: the distance of an acceleration from the one without constraints, plus
+0.5 * weight * residual^2 of each active row. A row is active if its residual is negative.
 """
 
 import math
@@ -23,7 +23,7 @@ from neol.rollout.worlds.hopper.model import DOFS, Array, Struct
 
 @kernel
 def accelerate(hopper: Struct, work: Struct, rows: int, warm_start: Array) -> bool:
-    """Find the `acceleration`: whether the Hessian stayed definite (mj_fwdConstraint)."""
+    """Find the `acceleration`; return whether the Hessian stayed definite (mj_fwdConstraint)."""
     begin(work, rows, warm_start)
     trace = 0.0
     for i in range(DOFS):
@@ -71,7 +71,7 @@ def accelerate(hopper: Struct, work: Struct, rows: int, warm_start: Array) -> bo
 
 @loop_kernel
 def begin(work: Struct, rows: int, warm_start: Array) -> None:
-    """Start from the last step's acceleration, or from the one without constraints if better."""
+    """Start from the last step's acceleration, or from that without constraints if better."""
     multiply(work.inertia, warm_start, work.momentum)
     cost = cost_of(work, rows, warm_start)
     for i in range(DOFS):
@@ -93,7 +93,7 @@ def residual(work: Struct, row: int, acceleration: Array) -> float:
 
 @loop_kernel
 def cost_of(work: Struct, rows: int, acceleration: Array) -> float:
-    """What an acceleration costs in constraints."""
+    """Return the cost of an acceleration's constraints."""
     cost = 0.0
     for row in range(rows):
         amount = residual(work, row, acceleration)
@@ -104,7 +104,7 @@ def cost_of(work: Struct, rows: int, acceleration: Array) -> float:
 
 @loop_kernel
 def activate(work: Struct, rows: int) -> None:
-    """Which rows are active, and their force on the degrees of freedom (PrimalUpdateConstraint)."""
+    """Find the active rows and their force on the degrees of freedom (PrimalUpdateConstraint)."""
     for i in range(DOFS):
         work.constraint_force[i] = 0.0
     for row in range(rows):
@@ -125,13 +125,13 @@ def differentiate(work: Struct) -> None:
 
 @loop_kernel
 def decrement(work: Struct, scale: float) -> float:
-    """What the next step is expected to gain."""
+    """Return the expected gain of the next step."""
     return max(0.0, 0.5 * scale * dot(work.gradient, work.newton_step))
 
 
 @kernel
 def make_hessian(work: Struct, rows: int) -> bool:
-    """Write the Hessian's Cholesky factor; whether it is definite (MakeHessian)."""
+    """Write the Hessian's Cholesky factor; return whether it is definite (MakeHessian)."""
     hessian = work.hessian
     for i in range(DOFS):
         for j in range(i + 1):
@@ -150,7 +150,7 @@ def make_hessian(work: Struct, rows: int) -> bool:
 
 @loop_kernel
 def update_hessian(work: Struct, rows: int) -> bool:
-    """Add rows that became active, subtract those that no longer are (HessianIncremental)."""
+    """Add rows that became active, subtract rows that became inactive (HessianIncremental)."""
     for row in range(rows):
         if work.active[row] != work.was_active[row]:
             root = math.sqrt(work.weight[row])

@@ -7,7 +7,7 @@ from neol.rollout.worlds.hopper.model import DOFS, LIMITED, Array, Struct
 from neol.rollout.worlds.hopper.newton import accelerate
 
 GREATEST = 1e10
-"""mjMAXVAL: beyond it MuJoCo begins anew."""
+"""mjMAXVAL: beyond it MuJoCo resets the state."""
 
 
 @kernel
@@ -19,11 +19,11 @@ def step(
     control: Array,
     warm_start: Array,
 ) -> bool:
-    """Take a step of Runge and Kutta's fourth order (mj_step, mj_fwdActuation, mj_RungeKutta).
+    """Take a fourth-order Runge-Kutta step (mj_step, mj_fwdActuation, mj_RungeKutta).
 
     Position, velocity and the acceleration that the next step's solver starts from change in
-    place. In rare states nothing changes, and MuJoCo must take the step: False. They are parts of
-    the hopper near each other, and numbers beyond all measure.
+    place. Returns False and changes nothing in rare states (parts of the hopper close together,
+    numbers out of bounds): MuJoCo must then take the step.
     """
     if not (is_usual(position) and is_usual(velocity)):
         return False
@@ -64,7 +64,7 @@ def is_usual(x: Array) -> bool:
 
 @kernel
 def forward(hopper: Struct, work: Struct, warm_start: Array) -> bool:
-    """Find the acceleration of a state; whether that succeeded (mj_forward)."""
+    """Find the acceleration of a state; return whether that succeeded (mj_forward)."""
     accelerate_smoothly(hopper, work)
     rows = constrain(hopper, work)
     if rows > 0:
