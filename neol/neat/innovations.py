@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.base.kernel import kernel
+from neol.neat.genome import MAX_NODE_ID
 
 
 class Innovations(NamedTuple):
@@ -13,8 +14,12 @@ class Innovations(NamedTuple):
 
     A number is the generation's first one plus the mutation's place in the list of those so far.
     Numbers only grow, so they never collide, also after a checkpoint.
+
+    Where connections are known `by_endpoints`, source and target make the number, and every split
+    gets a node of its own.
     """
 
+    by_endpoints: bool
     first_innovation: int
     first_node: int
     connections: npt.NDArray[np.int64]
@@ -23,9 +28,12 @@ class Innovations(NamedTuple):
     """int64[n]: innovation number of each connection that was split, -1 after the last one."""
 
     @classmethod
-    def begin(cls, innovation: int, node: int, children: int = 0) -> "Innovations":
+    def begin(
+        cls, innovation: int, node: int, children: int = 0, *, by_endpoints: bool = False
+    ) -> "Innovations":
         """Start without mutations, with room for one split and three connections a child."""
-        return cls(innovation, node, np.full((3 * children, 2), -1), np.full(children, -1))
+        connections, splits = np.full((3 * children, 2), -1), np.full(children, -1)
+        return cls(by_endpoints, innovation, node, connections, splits)
 
     @property
     def next_innovation(self) -> int:
@@ -39,12 +47,16 @@ class Innovations(NamedTuple):
 
     def next_generation(self, children: int) -> "Innovations":
         """Clear the list of mutations; the numbers continue."""
-        return Innovations.begin(self.next_innovation, self.next_node, children)
+        return Innovations.begin(
+            self.next_innovation, self.next_node, children, by_endpoints=self.by_endpoints
+        )
 
 
 @kernel
 def connection_number(innovations: Innovations, source: int, target: int) -> int:
     """Return the innovation number of a new connection in this generation."""
+    if innovations.by_endpoints:
+        return target * MAX_NODE_ID + source
     seen = innovations.connections
     for place in range(len(seen)):
         if seen[place, 0] < 0:
@@ -58,8 +70,9 @@ def connection_number(innovations: Innovations, source: int, target: int) -> int
 def split_node(innovations: Innovations, innovation: int) -> int:
     """Return the id of the new node that splits a connection in this generation."""
     for place in range(len(innovations.splits)):
-        if innovations.splits[place] < 0:
+        free = innovations.splits[place] < 0
+        if free:
             innovations.splits[place] = innovation
-        if innovations.splits[place] == innovation:
+        if free or (innovations.splits[place] == innovation and not innovations.by_endpoints):
             return innovations.first_node + place
     raise IndexError("more new nodes than there is room for")

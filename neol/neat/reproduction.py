@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.neat.breeding import PARENTS, Rates, breed_all
-from neol.neat.genome import initial_genome
+from neol.neat.genome import MAX_NODE_ID, initial_genome
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant
@@ -24,7 +24,9 @@ class Reproduction:
         self.neat = neat
         self.rates = Rates.of(neat)
         # The genes of generation 0 have the first numbers.
-        self.innovations = Innovations.begin(inputs * outputs, inputs + outputs)
+        self.innovations = Innovations.begin(
+            inputs * outputs, inputs + outputs, by_endpoints=neat.innovation == "endpoints"
+        )
         self.next_genome = 0
 
     def initial_population(self, size: int, random: np.random.Generator) -> Population:
@@ -34,7 +36,11 @@ class Reproduction:
         for id in range(first, first + size):
             draw_values(weight, self.rates.weight, state)
             draw_values(bias, self.rates.bias, state)
-            genomes.append(initial_genome(id, self.inputs, self.outputs, weight, bias))
+            genome = initial_genome(id, self.inputs, self.outputs, weight, bias)
+            if self.innovations.by_endpoints:
+                genes = genome.connections
+                genes["innovation"] = genes["target"] * MAX_NODE_ID + genes["source"]
+            genomes.append(genome)
         return Population.of(genomes)
 
     def reproduce(
@@ -83,7 +89,11 @@ class Reproduction:
         pairs = random.integers(len(candidates), size=(spawn - len(elites), 2))
         alone = random.random(len(pairs)) >= neat.crossover_rate
         pairs[alone, 1] = pairs[alone, 0]
-        pairs.sort(axis=1)
+        if neat.equal_parents == "smaller":
+            pairs.sort(axis=1)
+        else:
+            first, second = population.fitness[candidates[pairs]].T
+            pairs[first < second] = pairs[first < second, ::-1]
         parents = np.zeros(spawn, dtype=PARENTS)
         parents["elite"][: len(elites)] = True
         parents["fitter"] = np.concatenate([elites, candidates[pairs[:, 0]]])
@@ -99,7 +109,8 @@ class Reproduction:
 def fittest_first(population: Population, places: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Sort genomes by the order in which they pass their structure on to a child.
 
-    The fitter parent comes first; of equals the smaller, then the older one.
+    The fitter parent comes first; of equals the smaller, then the older one, or the first of two
+    drawn where `equal_parents` is random.
     """
     connections = np.diff(population.pool.connection_offset)
     keys = places, connections[places], -population.fitness[places]  # lexsort: last key first

@@ -43,6 +43,7 @@ def distance(one: Genome, other: Genome, neat: Neat) -> float:
     E + D counts the connections that only one genome has; the mean is over matching connections.
     N is the number of matching connections (at least 1), or with `larger_genome` the larger
     genome's number of connections.
+    `all_genes` is the distance of neat-python 0.92 (see NeatConstants).
     """
     return float(distances(Pool.of([one]), other, neat)[0])
 
@@ -50,6 +51,16 @@ def distance(one: Genome, other: Genome, neat: Neat) -> float:
 def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.float64]:
     """Return the distance of each genome of a pool to a representative, float64[P]."""
     found = np.empty(len(pool.connection_offset) - 1)
+    if neat.distance == "all_genes":
+        _distances_of_all_genes(
+            pool,
+            representative.nodes,
+            representative.connections,
+            neat.disjoint_coefficient,
+            neat.weight_coefficient,
+            found,
+        )
+        return found
     _distances(
         pool.connections,
         pool.connection_offset,
@@ -167,3 +178,42 @@ def _distances(
         unmatched = size + len(representative) - 2 * matching  # E + D
         n = max(size, len(representative)) if by_larger_genome else matching
         distances[genome] = c1 * unmatched / max(n, 1) + c3 * difference / max(matching, 1)
+
+
+@kernel
+def _distances_of_all_genes(
+    pool: Pool,
+    representative_nodes: npt.NDArray[np.void],
+    representative: npt.NDArray[np.void],
+    c1: float,
+    c3: float,
+    distances: npt.NDArray[np.float64],
+) -> None:
+    """The distance of neat-python 0.92: a sum over nodes, and one over connections."""
+    all_nodes, node_offset, all_connections, connection_offset = pool
+    for genome in range(len(distances)):
+        nodes = all_nodes[node_offset[genome] : node_offset[genome + 1]]
+        matching, difference, j = 0, 0.0, 0
+        for i in range(len(nodes)):
+            while j < len(representative_nodes) and representative_nodes[j].id < nodes[i].id:
+                j += 1
+            if j < len(representative_nodes) and representative_nodes[j].id == nodes[i].id:
+                matching += 1
+                difference += abs(nodes[i].bias - representative_nodes[j].bias)
+        unmatched = len(nodes) + len(representative_nodes) - 2 * matching
+        larger = max(len(nodes), len(representative_nodes))
+        distances[genome] = (c1 * unmatched + c3 * difference) / max(larger, 1)
+
+        connections = all_connections[connection_offset[genome] : connection_offset[genome + 1]]
+        matching, difference, j = 0, 0.0, 0
+        for i in range(len(connections)):
+            gene = connections[i]
+            while j < len(representative) and representative[j].innovation < gene.innovation:
+                j += 1
+            if j < len(representative) and representative[j].innovation == gene.innovation:
+                matching += 1
+                difference += abs(gene.weight - representative[j].weight)
+                difference += gene.enabled != representative[j].enabled
+        unmatched = len(connections) + len(representative) - 2 * matching
+        larger = max(len(connections), len(representative))
+        distances[genome] += (c1 * unmatched + c3 * difference) / max(larger, 1)

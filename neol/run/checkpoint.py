@@ -19,7 +19,6 @@ from numpy.lib.recfunctions import repack_fields
 from neol.base.errors import UserError
 from neol.base.files import read_bounded, write_atomically
 from neol.neat.genome import CONNECTION, NODE, Genome, check_genome
-from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.species import Species, SpeciesSet
 from neol.run.evolution import Evolution, Generation
@@ -184,7 +183,9 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     evolution = Evolution.begin(spec, meta["inputs"], meta["outputs"])
     reproduction = evolution.reproduction
     reproduction.next_genome = meta["next_genome"]
-    reproduction.innovations = Innovations.begin(meta["next_innovation"], meta["next_node"])
+    reproduction.innovations = reproduction.innovations._replace(
+        first_innovation=meta["next_innovation"], first_node=meta["next_node"]
+    )
     genomes = [
         Genome(genome_id, nodes, connections, fitness)
         for (genome_id, fitness, *_), nodes, connections in zip(

@@ -123,6 +123,13 @@ class NeatConstants(Model):
     """Rate of new connections (m_l)."""
     add_node_rate: Probability
     """Rate of new nodes (m_n)."""
+    innovation: Literal["generation", "endpoints"]
+    """What makes two genes the same one.
+
+    generation: the same mutation in one generation gives the same connection, or node.
+    endpoints: a connection is known by its source and target in the whole run, and each split
+    makes a node of its own (neat-python 0.92).
+    """
     new_node_bias: Literal["zero", "drawn"]
     """Bias of a node that splits a connection; drawn: as in generation 0."""
     remove_connection_rate: Probability
@@ -131,6 +138,8 @@ class NeatConstants(Model):
     """Crossover rate (p_c)."""
     survival_threshold: Annotated[float, Field(gt=0, le=1)]
     """Fraction of a species that may become parents (rho)."""
+    equal_parents: Literal["smaller", "random"]
+    """The parent that gives the structure among equally fit ones: the smaller, older one, or either."""
     elitism: NonNegativeInt
     """Genomes of each species that are copied unchanged (E)."""
     min_species_size: PositiveInt
@@ -142,8 +151,18 @@ class NeatConstants(Model):
     """Largest distance within a species (delta_t)."""
     representative: Literal["founder", "nearest"]
     """Representative of a species: its founder, or the genome nearest to the last one."""
+    distance: Literal["connections", "all_genes"]
+    """Genes that count in the distance between two genomes.
+
+    connections: as in Algorithm 3. all_genes: nodes count like connections, a flag that differs
+    counts like a weight that differs by 1, and each sum is divided by the larger genome's number
+    of such genes (neat-python 0.92).
+    """
     distance_normaliser: Literal["matching", "larger_genome"]
-    """N of the distance: the number of matching genes or the size of the larger genome."""
+    """N of the distance: the number of matching genes or the size of the larger genome.
+
+    all_genes does not use it.
+    """
     sharing: Literal["stanley", "literal"]
     max_stagnation: PositiveInt
     """Generations without a better best fitness before a species is removed (G_stag)."""

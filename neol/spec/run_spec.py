@@ -21,6 +21,9 @@ ADDED_LATER: dict[str, dict[str, Any]] = {
     "evaluation": {"episode_seed": "own"},
     "neat": {
         "crossover_enabled": "redraw_if_disabled",
+        "distance": "connections",
+        "equal_parents": "smaller",
+        "innovation": "generation",
         "new_node_bias": "zero",
         "representative": "founder",
     },

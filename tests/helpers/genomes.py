@@ -103,6 +103,7 @@ populations = st.builds(
         add_node_rate=st.sampled_from([0.2, 0.9]),
         enabled_mutate_rate=st.sampled_from([0.01, 0.3]),
         weight_mutation=st.sampled_from(["off", "config", 0.3]),
+        innovation=st.sampled_from(["generation", "endpoints"]),
     ),
     rounds=st.integers(0, 25),
 )

@@ -62,7 +62,8 @@ class PlainReproduction:
         for _ in range(size):
             weights, biases = self.fresh("weight", len(pairs)), self.fresh("bias", len(outputs))
             genome = PlainGenome(dict(zip(outputs, biases, strict=True)))
-            for number, (pair, weight) in enumerate(zip(pairs, weights, strict=True)):
+            for place, (pair, weight) in enumerate(zip(pairs, weights, strict=True)):
+                number = of_endpoints(*pair) if self.neat.innovation == "endpoints" else place
                 genome.connections[number] = Connection(*pair, weight)
             population.append(genome)
         return population
@@ -76,7 +77,7 @@ class PlainReproduction:
     ) -> list[PlainGenome]:
         """The next population from the places of each species' members, best first, and F_adj."""
         neat, children = self.neat, list[PlainGenome]()
-        self.connected, self.split = dict[tuple[int, int], int](), dict[int, int]()
+        self.connected, self.split = dict[tuple[int, int], int](), list[int]()
         self.variation = new_stream(random)
         spawns = spawn_counts(adjusted, len(population), neat)  # lines 1-4
         for members, spawn in zip(species, spawns, strict=True):
@@ -89,11 +90,17 @@ class PlainReproduction:
             pairs = [random.integers(len(pool), size=2).tolist() for _ in rest]  # line 15
             crossed = [random.random() < neat.crossover_rate for _ in rest]  # line 16
             for (p1, p2), both in zip(pairs, crossed, strict=True):
-                fitter, other = sorted((p1, p2 if both else p1))
+                fitter, other = self.ordered(pool, p1, p2 if both else p1)
                 children.append(self.child(pool[fitter], pool[other]))
         self.next_innovation += len(self.connected)
         self.next_node += len(self.split)
         return children
+
+    def ordered(self, pool: list[PlainGenome], p1: int, p2: int) -> tuple[int, int]:
+        """Two parents from a pool that is sorted: the one that gives the structure first."""
+        if self.neat.equal_parents == "smaller":
+            return min(p1, p2), max(p1, p2)
+        return (p1, p2) if pool[p1].fitness >= pool[p2].fitness else (p2, p1)
 
     def child(self, fitter: PlainGenome, other: PlainGenome) -> PlainGenome:
         """Lines 17-27."""
@@ -155,7 +162,11 @@ class PlainReproduction:
     def add_node(self, child: PlainGenome) -> None:
         if enabled := [number for number, gene in child.connections.items() if gene.enabled]:
             number = self.one_of(sorted(enabled))
-            node = self.split.setdefault(number, self.next_node + len(self.split))
+            if self.neat.innovation == "endpoints" or number not in self.split:
+                self.split.append(number)
+                node = self.next_node + len(self.split) - 1
+            else:
+                node = self.next_node + self.split.index(number)
             gene = child.connections[number]
             gene.enabled = False
             drawn = self.neat.new_node_bias == "drawn"
@@ -179,9 +190,12 @@ class PlainReproduction:
         return [node for node in sorted(genome.biases) if node >= self.inputs + self.outputs]
 
     def connect(self, child: PlainGenome, source: int, target: int, weight: float) -> None:
-        """The same new connection has the same number all through a generation."""
-        number = self.next_innovation + len(self.connected)
-        number = self.connected.setdefault((source, target), number)
+        """The same new connection has the same number all through a generation, or the run."""
+        if self.neat.innovation == "endpoints":
+            number = of_endpoints(source, target)
+        else:
+            number = self.next_innovation + len(self.connected)
+            number = self.connected.setdefault((source, target), number)
         child.connections[number] = Connection(source, target, weight)
 
     def mutated(self, what: Kind, values: list[float]) -> list[float]:
@@ -229,6 +243,11 @@ class PlainReproduction:
 
     def one_of(self, choices: Sequence[int]) -> int:
         return choices[int(len(choices) * self.variation.random())]
+
+
+def of_endpoints(source: int, target: int) -> int:
+    """A number that orders connections by target, then source."""
+    return (target << 24) + source
 
 
 def new_stream(random: np.random.Generator) -> np.random.Generator:

@@ -133,25 +133,26 @@ BUSY = {
 """All kinds of mutation and parents, often."""
 
 
-FLAGS = [
+SWITCHES = [
     {"crossover_enabled": "random_parent"},
+    {"innovation": "endpoints", "equal_parents": "random", "distance": "all_genes"},
     {"crossover_enabled": "redraw_if_disabled", "new_node_bias": "drawn"},
     {"crossover_enabled": "stanley", "enabled_mutate_rate": 0.0},
 ]
 
 
-@pytest.mark.parametrize("flags", FLAGS, ids=lambda flags: flags["crossover_enabled"])
+@pytest.mark.parametrize("switches", SWITCHES, ids=lambda switches: "-".join(map(str, switches)))
 @pytest.mark.parametrize(("size", "threshold"), [(7, 1.0), (40, 3.0)])
 @pytest.mark.parametrize("weight_mutation", ["off", "config", 0.3])
 def test_populations_are_those_of_a_plain_twin(
-    weight_mutation: str | float, size: int, threshold: float, flags: dict[str, object]
+    weight_mutation: str | float, size: int, threshold: float, switches: dict[str, object]
 ) -> None:
     """Every bit of every gene, and how many random and innovation numbers were drawn.
 
     Of few genomes in many species, and of many in few.
     """
     constants = BUSY | {"weight_mutation": weight_mutation, "compatibility_threshold": threshold}
-    neat = neat_constants(**constants | flags)
+    neat = neat_constants(**constants | switches)
     reproduction = Reproduction(INPUTS, OUTPUTS, neat)
     twin = PlainReproduction(INPUTS, OUTPUTS, neat)
     random, twin_random, chance = (np.random.default_rng(seed) for seed in (0, 0, 1))

@@ -36,6 +36,17 @@ def test_distance_by_hand() -> None:
     assert distance(ONE, OTHER, larger) == 1.0 * 3 / 4 + 0.5 * 2.0
 
 
+def test_distance_of_all_genes_by_hand() -> None:
+    """That of neat-python 0.92: nodes 3 and 4 match, 5 and 6 do not; the flags of gene 2 differ."""
+    one = genome_of(ONE.connections.tolist(), hidden=[5])
+    other = genome_of(OTHER.connections.tolist(), hidden=[6, 7])
+    one.nodes["bias"], other.nodes["bias"] = [1.0, 0.0, 5.0], [0.5, 3.0, 0.0, 0.0]
+    nodes = (1.0 * 3 + 0.5 * (0.5 + 3.0)) / 4
+    connections = (1.0 * 3 + 0.5 * (1.0 + 3.0 + 1.0)) / 4
+    found = distance(one, other, neat_constants(distance="all_genes"))
+    assert found == pytest.approx(nodes + connections, rel=1e-15)
+
+
 def test_distance_without_a_matching_gene() -> None:
     assert distance(ONE, genome_of([(9, 0, 3, 1.0, True)]), NEAT) == 4.0
     assert distance(ONE, genome_of([]), NEAT) == 3.0
@@ -54,6 +65,8 @@ def test_distance_is_symmetric_and_zero_to_itself(
 
 def plain_distance(one: Genome, other: Genome, neat: Neat) -> float:
     """Algorithm 3, line 3, gene by gene."""
+    if neat.distance == "all_genes":
+        return plain_distance_of_all_genes(one, other, neat)
     ours, theirs = (
         {int(gene["innovation"]): float(gene["weight"]) for gene in genome.connections}
         for genome in (one, other)
@@ -64,6 +77,26 @@ def plain_distance(one: Genome, other: Genome, neat: Neat) -> float:
     unmatched = neat.disjoint_coefficient * len(ours.keys() ^ theirs.keys())
     difference = neat.weight_coefficient * sum(abs(ours[each] - theirs[each]) for each in matching)
     return unmatched / max(n, 1) + difference / max(len(matching), 1)
+
+
+def plain_distance_of_all_genes(one: Genome, other: Genome, neat: Neat) -> float:
+    """That of neat-python 0.92."""
+    total = 0.0
+    for ours, theirs in (
+        [{int(id): (float(bias), 0.0) for id, bias in each.nodes} for each in (one, other)],
+        [
+            {int(c["innovation"]): (float(c["weight"]), float(c["enabled"])) for c in genes}
+            for genes in (one.connections, other.connections)
+        ],
+    ):
+        difference = 0.0
+        for key in sorted(ours.keys() & theirs.keys()):
+            value, flag = (abs(a - b) for a, b in zip(ours[key], theirs[key], strict=True))
+            difference = difference + value + flag
+        unmatched = neat.disjoint_coefficient * len(ours.keys() ^ theirs.keys())
+        larger = max(len(ours), len(theirs), 1)
+        total += (unmatched + neat.weight_coefficient * difference) / larger
+    return total
 
 
 def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> list[int]:
@@ -85,6 +118,7 @@ def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> 
 @given(
     populations,
     st.sampled_from([0.5, 1.5, 3.0]),
+    st.sampled_from(["connections", "all_genes"]),
     st.sampled_from(["matching", "larger_genome"]),
     st.sampled_from(["founder", "nearest"]),
 )
@@ -92,12 +126,14 @@ def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> 
 def test_speciation_is_that_of_a_plain_twin(
     grown: tuple[list[Genome], Reproduction],
     threshold: float,
+    genes: str,
     normaliser: str,
     representative: str,
 ) -> None:
     genomes, _ = grown
     neat = neat_constants(
         compatibility_threshold=threshold,
+        distance=genes,
         distance_normaliser=normaliser,
         representative=representative,
     )

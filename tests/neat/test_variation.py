@@ -45,7 +45,7 @@ def test_genomes_stay_sound(grown: tuple[list[Genome], Reproduction]) -> None:
     for genome in population:
         assert_sound(genome)
         assert genome.nodes["id"].max() < reproduction.innovations.next_node
-        if len(genome.connections):
+        if len(genome.connections) and not reproduction.innovations.by_endpoints:
             highest = genome.connections["innovation"].max()
             assert highest < reproduction.innovations.next_innovation
 
@@ -149,6 +149,15 @@ def test_the_same_mutation_in_one_generation_gets_the_same_numbers() -> None:
     innovations = innovations.next_generation(1)
     assert split_node(innovations, 0) == 7
     assert connection_number(innovations, 2, 3) == 13
+
+
+def test_a_connection_may_be_known_by_its_endpoints_for_the_whole_run() -> None:
+    innovations = Innovations.begin(innovation=10, node=5, children=2, by_endpoints=True)
+    first = connection_number(innovations, 2, 3)
+    assert (split_node(innovations, 0), split_node(innovations, 0)) == (5, 6), "two nodes"
+    innovations = innovations.next_generation(1)
+    assert connection_number(innovations, 2, 3) == first != connection_number(innovations, 3, 2)
+    assert split_node(innovations, 0) == 7
 
 
 def test_more_mutations_than_there_is_room_for_are_refused() -> None:
