@@ -1,10 +1,11 @@
 """Our NEAT beside neat-python 0.92, both with our engine: `make agreement`.
 
-Runs both and writes every generation to docs/neat-python.csv; `judge` compares them.
-docs/neat-python.md says what is compared, and stated the margins before the first run.
+Runs both, writes docs/neat-python.csv, and prints how they compare. docs/neat-python.md says what
+is compared; it stated the margins before the first run.
 """
 
 import importlib.metadata
+import math
 import platform
 import sys
 from collections.abc import Iterator
@@ -22,15 +23,37 @@ from neol.rollout.reference import network_size
 from neol.run.evolution import Evolution
 from neol.spec.configuration import ROOT, load_configuration
 from neol.spec.run_spec import RunSpec
-from neol.study.outcomes.statistics import Floats, mean_difference_interval
+from neol.study.outcomes.contrasts import Moments, difference
+from neol.study.outcomes.statistics import Floats
 
 OUTPUT = ROOT / "docs" / "neat-python.csv"
-READING = "neat_python"
 OURS, LIBRARY = "neol", "neat-python"
-SIDES = {OURS: 1_005_000, LIBRARY: 1_006_000}
-"""Who evolves, with the first seed."""
-POPULATION, GENERATIONS, LAST = 50, 40, 10
-SEEDS = {"cartpole": 30, "lunar_lander": 20}
+POPULATION, GENERATIONS, STRETCH = 50, 40, 10
+
+
+class Comparison(NamedTuple):
+    """Runs of both sides with the same constants."""
+
+    reading: str
+    first_seeds: dict[str, int]
+    """By side."""
+    seeds: dict[str, int]
+    """How many, by task."""
+
+
+SWITCHES = "+neat.distance=all_genes+neat.equal_parents=random+neat.innovation=endpoints"
+COMPARISONS = {
+    "first": Comparison(
+        "neat_python",
+        {OURS: 1_005_000, LIBRARY: 1_006_000},
+        {"cartpole": 30, "lunar_lander": 20},
+    ),
+    "second": Comparison(
+        f"neat_python{SWITCHES}",
+        {OURS: 1_007_000, LIBRARY: 1_008_000},
+        {"cartpole": 30, "lunar_lander": 60},
+    ),
+}
 COLUMNS = {
     "best_fitness": "best fitness",
     "mean_fitness": "mean fitness",
@@ -68,11 +91,13 @@ class Agreement(NamedTuple):
 
 
 FITNESS = tuple(COLUMNS)[:2]
+KEYS = ["comparison", "evolves", "task", "seed", "until"]
+"""Of a row; `until` is the last of its ten generations."""
 
 
-def run_spec(task: str, seed: int) -> RunSpec:
+def run_spec(reading: str, task: str, seed: int) -> RunSpec:
     """A run of NEAT with the library's constants."""
-    return load_configuration(reading=READING).run_spec(
+    return load_configuration(reading=reading).run_spec(
         task=task, method="neat", population=POPULATION, generations=GENERATIONS, seed=seed
     )
 
@@ -83,29 +108,38 @@ def our_generations(spec: RunSpec, engine: Engine) -> Iterator[tuple[float, ...]
         yield tuple(getattr(row, column) for column in COLUMNS)
 
 
-def run_all() -> pd.DataFrame:
-    """Every generation of every run: who evolves, task, seed, generation, `COLUMNS`."""
+def run_all(name: str) -> pd.DataFrame:
+    """The runs of a comparison, a row for each ten generations of a run.
+
+    The columns `KEYS`, and the means of `COLUMNS` over the ten generations.
+    """
     from benchmarks import library
 
+    reading, first_seeds, counts = COMPARISONS[name]
     rows = []
-    for task, seeds in SEEDS.items():
-        engine = make_engine(run_spec(task, 0).task)
-        for side, first in SIDES.items():
+    for task, seeds in counts.items():
+        engine = make_engine(run_spec(reading, task, 0).task)
+        for side, first in first_seeds.items():
             evolve = our_generations if side == OURS else library.evolve
             for seed in range(first, first + seeds):
-                generations = enumerate(evolve(run_spec(task, seed), engine), start=1)
-                rows += [(side, task, seed, number, *values) for number, values in generations]
-            print(f"{task}: {seeds} runs of {side}", file=sys.stderr, flush=True)
+                values = np.array(list(evolve(run_spec(reading, task, seed), engine)))
+                means = values.reshape(-1, STRETCH, len(COLUMNS)).mean(axis=1)
+                ends = range(STRETCH, GENERATIONS + 1, STRETCH)
+                rows += [
+                    (name, side, task, seed, end, *mean.tolist())
+                    for end, mean in zip(ends, means, strict=True)
+                ]
+            print(f"{name}, {task}: {seeds} runs of {side}", file=sys.stderr, flush=True)
         engine.close()
-    return pd.DataFrame(rows, columns=["evolves", "task", "seed", "generation", *COLUMNS])
+    return pd.DataFrame(rows, columns=[*KEYS, *COLUMNS])
 
 
 def judge(runs: pd.DataFrame) -> list[Agreement]:
-    """Each quantity's mean over all generations, and over the last ones, compared over runs."""
+    """Each quantity's mean over all generations, and over the last ten, compared over runs."""
     found = []
-    for task in SEEDS:
-        for begin, name in ((1, "all"), (GENERATIONS - LAST + 1, f"last {LAST}")):
-            there = runs[(runs["task"] == task) & (runs["generation"] >= begin)]
+    for task in dict.fromkeys(runs["task"]):
+        for after, name in ((0, "all"), (GENERATIONS - STRETCH, f"last {STRETCH}")):
+            there = runs[(runs["task"] == task) & (runs["until"] > after)]
             of_runs = there.groupby(["evolves", "seed"])[list(COLUMNS)].mean()
             for column in COLUMNS:
                 samples = [of_runs.loc[side, column].to_numpy() for side in (OURS, LIBRARY)]
@@ -116,14 +150,14 @@ def judge(runs: pd.DataFrame) -> list[Agreement]:
 def _compare(task: str, column: str, generations: str, ours: Floats, library: Floats) -> Agreement:
     means = float(ours.mean()), float(library.mean())
     if column in FITNESS:
-        difference = means[0] - means[1]
-        low, high = mean_difference_interval(ours, library, CONFIDENCE)
+        found = difference(Moments.of(ours), Moments.of(library))
+        low, high = found.interval(CONFIDENCE)
         margin = FITNESS_MARGIN[task]
-        return Agreement(task, column, generations, *means, difference, low, high, margin)
-    logarithms = np.log(ours), np.log(library)
-    difference = np.exp(logarithms[0].mean() - logarithms[1].mean())
-    low, high = np.exp(mean_difference_interval(*logarithms, CONFIDENCE))
-    return Agreement(task, column, generations, *means, difference, low, high, RATIO_MARGIN)
+        return Agreement(task, column, generations, *means, found.value, low, high, margin)
+    found = difference(Moments.of(np.log(ours)), Moments.of(np.log(library)))
+    low, high = np.exp(found.interval(CONFIDENCE))
+    ratio = math.exp(found.value)
+    return Agreement(task, column, generations, *means, ratio, low, high, RATIO_MARGIN)
 
 
 def table(found: list[Agreement]) -> str:
@@ -146,7 +180,7 @@ def table(found: list[Agreement]) -> str:
 
 
 def write(runs: pd.DataFrame, path: Path = OUTPUT) -> None:
-    """Write all generations, after lines that say what made them."""
+    """Write all rows, after lines that say what made them."""
     packages = ("neat-python", "numpy", "gymnasium")
     versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in packages)
     text = StringIO()
@@ -163,7 +197,8 @@ def read(path: Path = OUTPUT) -> pd.DataFrame:
 
 if __name__ == "__main__":
     try:
-        write(run_all())
+        write(pd.concat([run_all(name) for name in COMPARISONS], ignore_index=True))
     except UserError as error:
         sys.exit(f"agreement: {error}")
-    print(table(judge(read())), end="")
+    for comparison, rows in read().groupby("comparison"):
+        print(f"{comparison}:\n{table(judge(rows))}")
