@@ -139,7 +139,7 @@ class NeatConstants(Model):
     survival_threshold: Annotated[float, Field(gt=0, le=1)]
     """Fraction of a species that may become parents (rho)."""
     equal_parents: Literal["smaller", "random"]
-    """The parent that gives the structure among equally fit ones: the smaller, older one, or either."""
+    """Which of two equally fit parents gives the structure: the smaller, older one or either."""
     elitism: NonNegativeInt
     """Genomes of each species that are copied unchanged (E)."""
     min_species_size: PositiveInt
