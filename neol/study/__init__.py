@@ -1,1 +1,1 @@
-"""The study of the paper: from a campaign's records to tables, figures and verdicts."""
+"""The study of the paper: tables, figures and verdicts from a campaign's records."""

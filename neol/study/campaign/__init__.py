@@ -1,1 +1,1 @@
-"""A campaign: its grid of runs, the records they make, and what they cost."""
+"""A campaign: its grid of runs, their records, and their cost."""

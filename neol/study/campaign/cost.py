@@ -1,7 +1,7 @@
-"""What a run costs by measurement; the workflow asks a cluster for as much time.
+"""Cost of a run by measurement; the workflow requests time on a cluster by it.
 
 Core-seconds are evaluations x (steps of an evaluation x time of a step + NEAT's time for an
-evaluation), as in docs/benchmarks.csv; docs/scaling.md says how each was measured.
+evaluation), with values of docs/benchmarks.csv; docs/scaling.md describes each measurement.
 """
 
 import csv
@@ -12,10 +12,10 @@ from neol.spec.configuration import ROOT
 from neol.spec.run_spec import RunSpec
 
 NEAT_POPULATION = 300
-"""NEAT's time is measured with a population of this size."""
+"""Population size of the measurement of NEAT's time."""
 
 Get = Callable[[str, str, str], float | None]
-"""The median of a quantity, by task and by networks or method; None where there is none."""
+"""Median of a quantity by task and by networks or method; None if not measured."""
 
 
 @cache
@@ -27,30 +27,30 @@ def _medians() -> dict[tuple[str, str, str], float]:
 
 
 def shipped(quantity: str, task: str, networks: str = "") -> float | None:
-    """As docs/benchmarks.csv has it."""
+    """Return a median of docs/benchmarks.csv."""
     return _medians().get((quantity, task, networks))
 
 
 def like(method: str) -> str:
-    """The method whose short runs stand for a method's: Hebb's for all that mutate no weights."""
+    """Return the method whose short runs represent a method: Hebb if weights are not mutated."""
     return "neat" if method == "neat" else "hebb"
 
 
 def neat_seconds(get: Get, task: str) -> float:
-    """NEAT's part of an evaluation, of a population grown for 200 generations."""
+    """Return NEAT's time per evaluation, for a population grown for 200 generations."""
     return (get("neat_generation", task, "") or 0.0) / 1e3 / NEAT_POPULATION
 
 
 def evaluation_seconds(get: Get, task: str, method: str, steps: float) -> float:
-    """Core-seconds of an evaluation of so many steps."""
+    """Return the core-seconds of an evaluation with a number of steps."""
     return steps * (get("short_run", task, like(method)) or 0.0) / 1e6 + neat_seconds(get, task)
 
 
 def run_seconds(spec: RunSpec, get: Get = shipped, *, to_the_limit: bool = False) -> float | None:
-    """Core-seconds of one run, its held-out episodes left out; None for a task never measured.
+    """Return the core-seconds of one run without its held-out episodes; None if not measured.
 
-    Episodes are as long as in the short runs, and after the generations of these as in their last
-    third; or all as long as they may be.
+    Episodes are as long as in the short runs, and in later generations as in their last third; or
+    all of them last to the limit.
     """
     task, method, limit = spec.task.name, like(spec.method), spec.task.max_steps
     early, late = (get(f"short_run_{part}", task, method) for part in ("steps", "late_steps"))
@@ -64,10 +64,10 @@ def run_seconds(spec: RunSpec, get: Get = shipped, *, to_the_limit: bool = False
 
 
 def walltime_minutes(spec: RunSpec, seeds: int) -> int:
-    """What to ask a cluster for: twice the time of so many runs, and a quarter of an hour.
+    """Return the walltime to request: twice the time of the runs, plus a quarter of an hour.
 
-    A core may be slower and episodes longer than the measured ones. Nothing is lost where that was
-    too little: a run goes on from its checkpoint. A day for a task that was never measured.
+    Cores may be slower and episodes longer than those measured. If it is too short nothing is
+    lost, because a run continues from its checkpoint. A day for a task that was never measured.
     """
     seconds = run_seconds(spec)
     return 24 * 60 if seconds is None else 15 + round(2 * seeds * seconds / 60)

@@ -1,4 +1,4 @@
-"""From a budget to its cells, from cells to runs, and where each record lives."""
+"""The grid of a budget: its cells, their runs, and the path of each record."""
 
 import csv
 from collections.abc import Iterator
@@ -25,17 +25,17 @@ class Cell:
 
     @property
     def folder(self) -> Path:
-        """Where its records live below a budget's folder: cartpole/hebb/p050_lr0.00025."""
+        """Folder of its records below a budget's folder: cartpole/hebb/p050_lr0.00025."""
         suffix = "" if self.learning_rate is None else f"_lr{_plain(self.learning_rate)}"
         return Path(self.task, self.method, f"p{self.population:03d}{suffix}")
 
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Seeds `first` to `last` of a cell: what one job runs and one record holds."""
+    """Seeds `first` to `last` of a cell, which one job runs into one record."""
 
     home: Path
-    """The folder of its campaign, below the results folder: first/smoke."""
+    """Folder of the campaign below the results folder: first/smoke."""
     cell: Cell
     first: int
     last: int
@@ -46,18 +46,18 @@ class Block:
 
     @property
     def record(self) -> Path:
-        """Below the results folder: first/smoke/cartpole/hebb/p050_lr0.25/seeds_000-004.parquet."""
+        """Path below the results folder: first/smoke/cartpole/neat/p050/seeds_000-004.parquet."""
         name = f"seeds_{self.first:03d}-{self.last:03d}.parquet"
         return self.home / self.cell.folder / name
 
 
 def home(configuration: Configuration) -> Path:
-    """The folder of a budget's records under a reading, below the results folder: first/smoke."""
+    """Return the folder of a campaign's records below the results folder: first/smoke."""
     return Path(campaign_name(configuration.reading, configuration.budget.name))
 
 
 def cells(configuration: Configuration) -> list[Cell]:
-    """The budget's grid, in the order of its file: tasks, methods, populations, learning rates."""
+    """Return the budget's grid in the order of its file: tasks, methods, populations, rates."""
     budget = configuration.budget
     return [
         Cell(task, method, population, learning_rate)
@@ -71,12 +71,12 @@ def cells(configuration: Configuration) -> list[Cell]:
 
 
 def blocks(configuration: Configuration) -> list[Block]:
-    """The budget's jobs, in the order of its cells and seeds."""
+    """Return the budget's jobs in the order of its cells and seeds."""
     return [block for cell in cells(configuration) for block in _split(configuration, cell)]
 
 
 def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
-    """The runs of a block, in the order of their seeds."""
+    """Return the runs of a block in the order of their seeds."""
     cell = block.cell
     return [
         configuration.run_spec(
@@ -92,7 +92,7 @@ def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
 
 
 def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str], Cell]:
-    """The configurations of the paper's Table 3 or 4 that the budget has, by task and method."""
+    """Return the budget's cells that are in the paper's Table 3 or 4, by task and method."""
     available = set(cells(configuration))
     with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:
         listed = [
@@ -117,5 +117,5 @@ def _split(configuration: Configuration, cell: Cell) -> Iterator[Block]:
 
 
 def _plain(number: float) -> str:
-    """The shortest decimal that reads back as the number, without an exponent."""
+    """Return the shortest decimal that reads back as the number, without an exponent."""
     return format(Decimal(repr(number)), "f")

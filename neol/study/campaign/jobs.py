@@ -1,4 +1,4 @@
-"""The records of a budget: which call of `neol run` makes each, and whether it must."""
+"""The jobs of a budget: the call of `neol run` for each record, and whether it is needed."""
 
 import shlex
 from collections.abc import Iterator, Sequence
@@ -17,23 +17,23 @@ SENSITIVITY = "sensitivity"
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One call of `neol run`, and the record that it makes."""
+    """One call of `neol run`, and its record."""
 
     record: Path
     log: Path
-    """What the call says, where the workflow makes it."""
+    """Output of the call in the workflow."""
     reading: str
     budget: str
     part: str
-    """Of the campaign: a method, or `SENSITIVITY`."""
+    """Part of the campaign: a method, or `SENSITIVITY`."""
     spec: RunSpec
-    """With the first of its seeds."""
+    """Specification with the first seed."""
     seeds: range
     overrides: Sequence[str] = ()
 
     @property
     def arguments(self) -> str:
-        """The job as the command line of `neol run` has it."""
+        """Arguments of the call of `neol run`."""
         spec = self.spec
         options = {
             "reading": self.reading,
@@ -50,10 +50,10 @@ class Job:
         return shlex.join([*words, *(word for each in self.overrides for word in ("--set", each))])
 
     def reason(self) -> str | None:
-        """Why the record must be made; None where it is there, of this specification and seeds.
+        """Return why the record must be made; None if it exists with this specification and seeds.
 
-        The record itself says what it was made of, whoever made it, wherever, whenever. One that
-        cannot be read counts as there: it is not overwritten, and its readers say what it is.
+        Only the record itself decides, not its time or place. A file that cannot be read counts as
+        existing: it is not overwritten, and its readers report it.
         """
         if not self.record.exists():
             return f"{self.record} is missing"
@@ -63,7 +63,7 @@ class Job:
             return None
 
     def misfit(self, footer: RecordMetadata) -> str | None:
-        """Why a record with this footer must be made anew; None where it is the job's."""
+        """Return why a record with this footer must be made again; None if it fits the job."""
         if difference := first_difference(footer.spec, self.spec):
             return f"{self.record} is of another specification: {difference}"
         if {info.seed for info in footer.seeds} != set(self.seeds):
@@ -72,7 +72,7 @@ class Job:
 
 
 def jobs(configuration: Configuration, results: Path = RESULTS) -> Iterator[Job]:
-    """All of a budget: its cells' blocks, and the trials of the sensitivity study."""
+    """Yield all jobs of a budget: its cells' blocks and the trials of the sensitivity study."""
     reading, budget = configuration.reading, configuration.budget.name
     logs = results.absolute().parent / "logs"
 

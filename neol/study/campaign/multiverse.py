@@ -1,6 +1,6 @@
-"""The multiverse: every question under every reading of a declared grid, and what is run.
+"""The multiverse: every question under every reading of a declared grid, and its runs.
 
-docs/readings-plan.md is its plan. `python -m neol.study.campaign.multiverse` prints the arguments
+Its plan is docs/readings-plan.md. `python -m neol.study.campaign.multiverse` prints the arguments
 of one call of snakemake for each set of constants.
 """
 
@@ -22,20 +22,20 @@ from neol.study.campaign.search import workflow_calls
 GRID = CONFIG / "search" / "multiverse.yaml"
 BUDGET = "multiverse"
 Universe = dict[str, str]
-"""A reading of the grid: the option of each choice."""
+"""A reading of the grid: one option for each choice."""
 
 
 class Choice(Model):
-    """What can be read in several ways."""
+    """A part of the paper that can be read in several ways."""
 
     methods: Several[MethodName]
-    """Those that it concerns."""
+    """Methods that the choice concerns."""
     options: dict[Text, tuple[Text, ...]]
-    """By name: the constants that an option sets, like neat.elitism=3."""
+    """Constants that each option sets, by the option's name; like neat.elitism=3."""
 
 
 def choices() -> dict[str, Choice]:
-    """The choices by name. Raises UserError for what the file may not state."""
+    """Return the choices by name. Raises UserError for an invalid file."""
     overlay = Overlay()
     overlay.add_file(GRID)
     kind = dict[str, Choice]
@@ -46,14 +46,14 @@ def choices() -> dict[str, Choice]:
 
 
 def universes() -> list[Universe]:
-    """Every reading of the grid, in the order of their runs; the last choice changes fastest."""
+    """Return every reading of the grid in the order of runs; the last choice changes fastest."""
     found = choices()
     options = itertools.product(*(choice.options for choice in found.values()))
     return [dict(zip(found, each, strict=True)) for each in options]
 
 
 def configuration(universe: Universe, method: str) -> Configuration:
-    """The budget under what of a reading concerns a method.
+    """Return the budget's configuration under those choices of a reading that concern a method.
 
     Raises UserError for a constant or a value that is not allowed.
     """
@@ -71,14 +71,14 @@ def _configuration(reading: str) -> Configuration:
 
 
 def method_blocks(universe: Universe, method: str) -> list[Block]:
-    """The records of a method's runs under a reading."""
+    """Return the records of a method's runs under a reading."""
     return [
         block for block in blocks(configuration(universe, method)) if block.cell.method == method
     ]
 
 
 def calls() -> list[str]:
-    """The arguments of the calls of snakemake that make all records, each once."""
+    """Return the arguments of the calls of snakemake that make all records, each once."""
     wanted: dict[str, dict[Block, None]] = {}
     for universe in universes():
         for method in load_configuration(BUDGET).budget.methods:

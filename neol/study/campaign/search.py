@@ -1,6 +1,6 @@
-"""The search for readings that make the paper's baselines: what is run, in which order.
+"""The search for readings that reproduce the paper's baselines: its runs and their order.
 
-docs/readings-plan.md is its plan. `python -m neol.study.campaign.search search` prints the
+Its plan is docs/readings-plan.md. `python -m neol.study.campaign.search search` prints the
 arguments of one call of snakemake for each reading, `... confirmation READING` those of some.
 """
 
@@ -20,22 +20,22 @@ from neol.study.campaign.grid import RESULTS, Block, blocks
 
 CANDIDATES = CONFIG / "search" / "candidates.yaml"
 SCREENING, CONFIRMATION = "search", "confirmation"
-"""The budgets of its two stages."""
+"""Budgets of the two stages."""
 BASELINES = tuple(WITHOUT_RULE)
-"""The methods that are compared with the paper's."""
+"""Methods that are compared with the paper's."""
 
 
 class Candidate(Model):
     """A reading that is compared with the paper's baselines."""
 
     neat_wo: Text | None = None
-    """The reading whose runs of NEAT (w/o) its own would repeat; None where it has its own."""
+    """Reading with the same runs of NEAT (w/o), which are not repeated; None if they differ."""
 
 
 def candidates() -> dict[str, Candidate]:
-    """The candidates by reading, in the order in which they are run.
+    """Return the candidates by reading, in the order of their runs.
 
-    Raises UserError for what the file may not state.
+    Raises UserError for an invalid file.
     """
     overlay = Overlay()
     overlay.add_file(CANDIDATES)
@@ -52,24 +52,24 @@ def candidates() -> dict[str, Candidate]:
 
 
 def source(reading: str, method: str) -> str:
-    """The reading whose records are a candidate's runs of a baseline: its own, or the same ones.
+    """Return the reading whose records hold a candidate's runs of a baseline.
 
-    Raises UserError for a reading that is no candidate.
+    It is the candidate, or the reading with the same runs. Raises UserError if not a candidate.
     """
     known = candidates()
     if reading not in known:
-        raise UserError(f'"{reading}" is no candidate of the search{hint(reading, known)}')
+        raise UserError(f'"{reading}" is not a candidate of the search{hint(reading, known)}')
     return (method == "neat_wo" and known[reading].neat_wo) or reading
 
 
 def baseline_blocks(reading: str, method: str, budget: str) -> list[Block]:
-    """The records of a candidate's runs of a baseline. Raises UserError as `source` does."""
+    """Return the records of a candidate's runs of a baseline. Raises UserError as `source` does."""
     configuration = load_configuration(budget, reading=source(reading, method))
     return [block for block in blocks(configuration) if block.cell.method == method]
 
 
 def calls(budget: str, readings: Sequence[str]) -> list[str]:
-    """The arguments of the calls of snakemake that make the records of some candidates in turn."""
+    """Return the arguments of the calls of snakemake that make some candidates' records in turn."""
     wanted: dict[str, dict[Block, None]] = {}
     for reading in readings:
         for method in BASELINES:
@@ -79,7 +79,7 @@ def calls(budget: str, readings: Sequence[str]) -> list[str]:
 
 
 def workflow_calls(budget: str, wanted: Mapping[str, Iterable[Block]]) -> list[str]:
-    """The arguments of a call of snakemake for each reading: it makes the records of its blocks."""
+    """Return for each reading the arguments of the call of snakemake that makes its records."""
     return [
         f"{' '.join(str(RESULTS / block.record) for block in asked)} "
         f"--config budget={budget} reading={reading}"

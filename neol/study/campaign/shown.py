@@ -1,4 +1,4 @@
-"""What tables and figures show: a budget under a reading, with all of its tasks or some."""
+"""Selection of what tables and figures show: a budget, a reading, and some or all tasks."""
 
 import json
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ SHOWN_READING = FIRST_READING
 def select(
     budget: str = DEFAULT_BUDGET, tasks: str = "", reading: str = SHOWN_READING
 ) -> Configuration:
-    """A budget's configuration; with some of its tasks only if they are named: "cartpole,hopper".
+    """Return a budget's configuration with all of its tasks, or the named ones: "cartpole,hopper".
 
     Raises UserError for an unknown budget or reading, or a task that the budget does not have.
     """
@@ -33,55 +33,55 @@ def select(
 
 
 def folder(name: object) -> Path:
-    """A folder as a notebook's parameter names it. Raises UserError for what is no text."""
+    """Return the folder that a notebook's parameter names. Raises UserError if it is not text."""
     if not isinstance(name, str | Path):
         raise UserError(
-            f"{name!r}: no name of a folder; papermill passes even a number as text after -r"
+            f"{name!r}: not the name of a folder; papermill passes even a number as text after -r"
         )
     return Path(name)
 
 
 def with_tasks(configuration: Configuration, tasks: Sequence[str]) -> Configuration:
-    """The same budget with other tasks."""
+    """Return the configuration with other tasks."""
     budget = configuration.budget.model_copy(update={"tasks": tuple(tasks)})
     return configuration.model_copy(update={"budget": budget})
 
 
 def chosen_tasks(budget: Budget) -> tuple[str, ...]:
-    """The tasks of a budget if they are not all that its file has, otherwise none."""
+    """Return the tasks of a budget if they are fewer than in its file, otherwise none."""
     all_tasks = load_configuration(budget.name).budget.tasks
     return () if budget.tasks == all_tasks else budget.tasks
 
 
 def label(configuration: Configuration) -> str:
-    """What is shown, as a path: paper, paper-cartpole,hopper, or of another reading default/paper.
+    """Return the selection as a path: paper, or paper-cartpole,hopper for some of its tasks.
 
-    It begins with the reading where that is not the shown one.
+    For a reading other than `SHOWN_READING` its name comes first: default/paper.
     """
     whole = full_label(configuration)
     return whole.removeprefix(f"{SHOWN_READING}/")
 
 
 def full_label(configuration: Configuration) -> str:
-    """The same with its reading in any case: first/paper-cartpole,hopper."""
+    """Return the selection as a path that always has the reading: first/paper-cartpole,hopper."""
     budget, tasks = configuration.budget.name, chosen_tasks(configuration.budget)
     return f"{configuration.reading}/{'-'.join([budget, ','.join(tasks)] if tasks else [budget])}"
 
 
 def figures_folder(configuration: Configuration) -> Path:
-    """Where its tables and figures are: figures/, or figures/paper-cartpole."""
+    """Return the folder of its tables and figures: figures/, or figures/paper-cartpole."""
     name = label(configuration)
     return Path("figures", "" if name == DEFAULT_BUDGET else name)
 
 
 def results_page(configuration: Configuration) -> Path:
-    """Where its results are told: docs/results.md, or docs/results-paper-cartpole.md."""
+    """Return its page of results: docs/results.md, or docs/results-paper-cartpole.md."""
     name = label(configuration).replace("/", "-")
     return Path("docs") / ("results.md" if name == DEFAULT_BUDGET else f"results-{name}.md")
 
 
 def snakemake_options(configuration: Configuration) -> str:
-    """What the workflow is told: --config budget=paper tasks=cartpole."""
+    """Return the options of snakemake for it: --config budget=paper tasks=cartpole."""
     options = {"budget": configuration.budget.name}
     if configuration.reading != SHOWN_READING:
         options["reading"] = configuration.reading
@@ -91,9 +91,9 @@ def snakemake_options(configuration: Configuration) -> str:
 
 
 def differs_from_default(configuration: Configuration) -> dict[str, tuple[str, str]]:
-    """Its value and the default reading's of each constant in which they differ.
+    """Return each constant that differs from the default reading: its value and the default's.
 
-    By key, such as neat.elitism; budgets are left out, and what a budget sets.
+    Keys look like neat.elitism. The budget and constants that it sets are omitted.
     """
     here, default = (
         by_dotted_key(each.model_dump(mode="json", exclude={"reading", "budget"}))

@@ -1,6 +1,6 @@
 """Sensitivity: the constants that the paper leaves open, changed one at a time.
 
-config/sensitivity/ lists the variants and states the study's size; the workflow runs their trials.
+config/sensitivity/ lists the variants and the study's size; the workflow runs their trials.
 """
 
 import json
@@ -22,12 +22,12 @@ VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
 STUDY = CONFIG / "sensitivity" / "study.yaml"
 BASELINE = "baseline"
 FIRST_SEED = 1_000_000
-"""Tuning seeds begin here, beyond those of every budget."""
+"""First seed of the study, beyond those of every budget."""
 Content = TypeVar("Content")
 
 
 class Study(Model):
-    """How much a variant spends at most; a smaller budget's own size is less."""
+    """Largest size of a variant's runs; a smaller budget uses its own size."""
 
     generations: PositiveInt
     population: PopulationSize
@@ -35,7 +35,7 @@ class Study(Model):
 
 
 class Variant(Model):
-    """Some constants changed, for the methods that they concern."""
+    """Changed constants, and the methods that they concern."""
 
     methods: Several[MethodName]
     set: tuple[str, ...]
@@ -43,24 +43,24 @@ class Variant(Model):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A task and method under a variant: one record."""
+    """A variant of a task and method: one record."""
 
     variant: str
     task: str
     method: str
     spec: RunSpec
-    """With the first of its seeds."""
+    """Specification with the first seed."""
     seeds: range
     record: Path
 
 
 def study() -> Study:
-    """The size that the file states. Raises UserError for what it may not state."""
+    """Return the size of the study from its file. Raises UserError for an invalid file."""
     return _read(STUDY, Study)
 
 
 def variants() -> dict[str, Variant]:
-    """Those that the file lists, the baseline first. Raises UserError for what it may not list."""
+    """Return the listed variants, the baseline first. Raises UserError for an invalid file."""
     return _read(VARIANTS, dict[str, Variant])
 
 
@@ -74,9 +74,9 @@ def _read(path: Path, kind: type[Content]) -> Content:
 
 
 def trials(configuration: Configuration, name: str) -> list[Trial]:
-    """What a variant runs in a budget, for each of its tasks and methods.
+    """Return a variant's trials in a budget, for each of its tasks and methods.
 
-    Nothing where a variant is what the budget's reading has anyway.
+    There are none if the variant's constants are those of the budget's reading.
     """
     budget, most = configuration.budget, study()
     known = variants()
@@ -116,5 +116,5 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
 
 
 def folder(configuration: Configuration, name: str) -> Path:
-    """A variant's place below the results folder: first/smoke/sensitivity/beta-0.001."""
+    """Return a variant's folder below the results folder: first/smoke/sensitivity/beta-0.001."""
     return home(configuration) / "sensitivity" / re.sub(r"[^\w.]+", "-", name)

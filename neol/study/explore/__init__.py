@@ -1,1 +1,1 @@
-"""What notebooks/explore.ipynb plays with: records to choose from, panels, pictures, small runs."""
+"""Parts of notebooks/explore.ipynb: choice of records, panels, pictures, small runs."""

@@ -1,4 +1,4 @@
-"""Small runs that evolve while one looks on."""
+"""Small runs that are drawn while they evolve."""
 
 import contextlib
 import time
@@ -20,9 +20,9 @@ from neol.spec.configuration import load_configuration
 from neol.spec.run_spec import RunSpec
 
 PICTURE_SECONDS = 0.3
-"""Pictures come no oftener."""
+"""Shortest time between two pictures."""
 LONGEST_SECONDS = 60.0
-"""A generation that ends later is the last one."""
+"""Time after which a run stops with its current generation."""
 HELD_OUT_EPISODES = 20
 
 
@@ -36,9 +36,9 @@ def specification(
     generations: int,
     seed: int,
 ) -> RunSpec:
-    """A run of the paper's constants but for these; NEAT ignores the learning rate.
+    """Return a run with the paper's constants except for these; NEAT ignores the learning rate.
 
-    Raises UserError for what no run can be.
+    Raises UserError for values that are not allowed.
     """
     configuration = load_configuration(
         "paper",
@@ -60,16 +60,16 @@ def specification(
 
 @dataclass(slots=True)
 class Evolutions:
-    """Each call evolves a population and draws it; the runs before stay, in grey."""
+    """Evolve and draw a population at each call; earlier runs stay in grey."""
 
     earlier: list[tuple[str, str, list[Generation]]] = field(default_factory=list)
-    """Task, label and history, the oldest first."""
+    """Task, label and history of each run, the oldest first."""
 
     def __call__(self, **settings: Any) -> Iterator[Figure]:
-        """Yield a picture now and then, the last one with the champion's fresh episodes.
+        """Yield pictures of the run; the last one includes the champion's held-out episodes.
 
-        The settings are those of `specification`, and errors too. A run that takes too long is
-        stopped, and the picture says so.
+        Settings and errors are those of `specification`. A run that takes too long is stopped, and
+        the picture says so.
         """
         spec = specification(**settings)
         label = f"{method_label(spec.method)} P={spec.population} seed {spec.seed}"

@@ -1,7 +1,7 @@
 """A panel of a notebook: controls, and below them the picture that they make.
 
-The picture is an ordinary output, replaced in place, so that an executed copy shows the default
-one wherever it is read.
+The picture is an ordinary output, replaced in place, so an executed copy shows the default picture
+in any viewer.
 """
 
 import base64
@@ -26,17 +26,17 @@ from neol.run.record_file import read_record
 
 
 class Panel:
-    """Draws when it is shown, and again when a control changes or, with a button, when asked to.
+    """Panel that draws when shown, and again when a control changes or its button is pressed.
 
-    `draw` gets the value of each control by its name. It returns what a notebook can show, a figure
-    or a film, or yields several, each in place of the one before. A UserError is shown as its line.
+    `draw` gets the value of each control by its name. It returns a figure, a film or another
+    output, or yields several, each of which replaces the last. A UserError is shown as its line.
     """
 
     def __init__(self, draw: Callable[..., object], button: str = "", **controls: Any) -> None:
         self.controls = controls
         self.button = Button(description=button)
         self.picture: object = None
-        """What is shown."""
+        """The widgets that are shown."""
         self._draw = draw
         self._asks = bool(button)
         self._handle: Any = None
@@ -65,7 +65,7 @@ class Panel:
 
 
 def _displayable(picture: object) -> object:
-    """What IPython shows alike everywhere: a figure as PNG, a film within HTML."""
+    """Convert to an output that all viewers show alike: a figure to PNG, a film to HTML."""
     if isinstance(picture, Figure):
         return Image(png(picture))
     if isinstance(picture, Film):
@@ -75,13 +75,13 @@ def _displayable(picture: object) -> object:
 
 
 class RunChoice(HBox):  # type: ignore[misc]
-    """Two lists, one below the other's choice; shown in several places it is one control."""
+    """Choice of a record and one of its seeds; one control even if shown in several places."""
 
     value = traitlets.Tuple()
-    """Path of the record and seed. It changes once, with both of them."""
+    """Path of the record, and seed; both change in one event."""
 
     def __init__(self, results: Path, record: str, seed: int) -> None:
-        """Begin with a record and a seed, or with the first there is."""
+        """Begin with a record and a seed, or with the first available ones."""
         self._results = results
         found = find_records(results)
         self.record = Dropdown(
@@ -115,18 +115,18 @@ class RunChoice(HBox):  # type: ignore[misc]
 
 @lru_cache(maxsize=64)
 def load_record(path: Path) -> Record:
-    """A record, read and verified; the latest stay in memory. Raises UserError."""
+    """Read and verify a record; the latest ones are cached. Raises UserError."""
     return read_record(path)
 
 
 @lru_cache(maxsize=16)
 def load_player(path: Path, seed: int) -> Player:
-    """The champion of a run, loaded once. Raises UserError."""
+    """Load the champion of a run, once. Raises UserError."""
     return load_champion(path, seed)
 
 
 def episode_seed(player: Player, episode: int) -> int:
-    """The seed of a held-out episode of a player's record. Raises UserError beyond the last one."""
+    """Return the seed of a held-out episode of a player. Raises UserError beyond the last one."""
     seeds = player.held_out_seeds
     if not 0 <= episode < len(seeds):
         raise UserError(f"episode {episode}: the record has 0 to {len(seeds) - 1}")

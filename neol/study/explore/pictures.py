@@ -1,4 +1,4 @@
-"""The pictures of notebooks/explore.ipynb that no table or figure of the paper has."""
+"""Pictures that only notebooks/explore.ipynb shows."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ from neol.study.figures.plots import draw_curve
 from neol.study.outcomes.statistics import Floats, mean_interval
 
 PLASTIC, FROZEN = "#0072B2", "#D55E00"
-"""An episode that learns to its end, and one that stops learning."""
+"""Colours of an episode that learns to its end, and of one that stops learning."""
 
 RUN_OUTCOMES = {
     "held_out": "Held-out return",
@@ -28,18 +28,18 @@ RUN_OUTCOMES = {
     "env_steps": "Environment steps",
     "cpu_seconds": "CPU time (s)",
 }
-"""What runs can be compared by: a column of `table_of_runs`, and how an axis calls it."""
+"""Outcomes by which runs can be compared: columns of `table_of_runs` and their axis labels."""
 
 
 def axis_label(column: str) -> str:
-    """A record's column with its unit: "Best fitness (return)"."""
+    """Return the label of a record's column with its unit: "Best fitness (return)"."""
     unit = DOCUMENTATION[column][0]
     name = column.replace("_", " ").capitalize()
     return f"{name} ({unit})" if unit and unit != column else name
 
 
 def run_settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
-    """Each budget, population and learning rate that there are runs of, by what a list calls it."""
+    """Return each budget, population and learning rate that has runs, by its label in a list."""
     columns = ["budget", "population", "learning_rate"]
     rows = runs[~runs["sensitivity"]].dropna(subset=columns)[columns].drop_duplicates()
     return {
@@ -57,10 +57,10 @@ def draw_learning_curves(
     column: str,
     against: str,
 ) -> Figure:
-    """A column of the records over another, for each method: mean over seeds with 95% interval.
+    """Draw one column of the records over another, for each method: mean with 95% interval.
 
-    `setting` is a budget, a population and a learning rate, which NEAT has not.
-    Raises UserError where there is no such run.
+    `setting` is a budget, a population and a learning rate, which NEAT ignores.
+    Raises UserError if there is no such run.
     """
     budget, population, learning_rate = setting
     chosen = runs[
@@ -93,10 +93,10 @@ def draw_learning_curves(
 
 
 def switched_off(player: Player, *, step: int, episodes: int) -> Figure:
-    """What becomes of held-out episodes when plasticity stops after some steps.
+    """Draw the effect on held-out episodes of stopping plasticity after some steps.
 
     One episode with and without the stop: reward so far, and how far weights have moved. Then the
-    returns of so many episodes, each played both ways.
+    returns of several episodes, each played both ways.
     """
     seeds = player.held_out_seeds[:episodes]
     plastic = [player.play(seed) for seed in seeds]
@@ -120,10 +120,10 @@ def switched_off(player: Player, *, step: int, episodes: int) -> Figure:
 
 
 def draw_outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, by: str) -> Figure:
-    """An outcome of a budget's runs of a task, grouped by one of their columns: each, and means.
+    """Draw an outcome of a budget's runs of a task, grouped by a column: single runs and means.
 
-    Runs of other budgets are of another length, or the same runs once more.
-    Raises UserError where no run has both.
+    Runs of other budgets differ in length, or are the same runs again.
+    Raises UserError if no run has both.
     """
     chosen = (runs["task"] == task) & (runs["budget"] == budget) & ~runs["sensitivity"]
     here = runs[chosen].dropna(subset=[outcome, by])
@@ -152,13 +152,13 @@ def draw_outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, b
 
 
 def _moved(trace: Trace) -> Floats:
-    """Mean distance of the weights from those that the episode began with, after each step."""
+    """Return the mean distance of the weights from their initial values, after each step."""
     moved: Floats = np.abs(trace.weights - trace.weights[0]).mean(axis=1)
     return moved
 
 
 def _pairs(axis: Axes, plastic: Sequence[Trace], frozen: Sequence[Trace], step: int) -> None:
-    """Each episode's two returns against each other, and what the difference comes to."""
+    """Draw each episode's two returns against each other, and their mean difference."""
     x = np.array([trace.episode_return for trace in plastic])
     y = np.array([trace.episode_return for trace in frozen])
     axis.axline((0, 0), slope=1, color=GREY, linewidth=0.7, linestyle=":")

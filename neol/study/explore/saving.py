@@ -1,4 +1,4 @@
-"""Notebooks without outputs in their files, also while one plays with them."""
+"""Saving of notebooks without outputs, also during interactive use."""
 
 from typing import Any
 
@@ -9,10 +9,10 @@ METADATA = {
 
 
 def without_outputs(model: dict[str, Any], **_: object) -> None:
-    """Leave outputs out of a notebook that Jupyter is about to save; the screen keeps them.
+    """Remove outputs from a notebook that Jupyter is about to save; the screen keeps them.
 
-    Made for Jupyter's `FileContentsManager.pre_save_hook`. A notebook that was only run is saved
-    as it is committed.
+    For Jupyter's `FileContentsManager.pre_save_hook`. A notebook that was only run is saved as it
+    was committed.
     """
     if model["type"] == "notebook":
         for cell in model["content"]["cells"]:

@@ -1,1 +1,1 @@
-"""How tables and figures are written: captions, LaTeX, sidecars."""
+"""Output of tables and figures: captions, LaTeX, sidecars."""

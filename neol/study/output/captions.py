@@ -1,4 +1,4 @@
-"""What captions say of a budget: how much it spends, and what of it is not there."""
+"""Sentences on a budget for captions: its size, and the runs that are missing."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,10 +12,7 @@ from neol.study.outcomes.campaign_runs import Campaign
 
 
 def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
-    """A budget and its reading in a few sentences, for captions.
-
-    They concern some of its tasks, or all.
-    """
+    """Describe a budget and its reading in a few sentences, for some of its tasks or all."""
     budget = configuration.budget
     sentence = (
         f"Budget {describe_name(budget)}: G = {describe_generations(budget, tasks)} generations, "
@@ -27,7 +24,7 @@ def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> 
 
 
 def describe_reading(configuration: Configuration) -> str:
-    """The reading and each constant that differs from the default one's, in a sentence."""
+    """Name the reading and each constant that differs from the default reading, in a sentence."""
     changed = ", ".join(
         f"{key} = {here} instead of {default}"
         for key, (here, default) in differs_from_default(configuration).items()
@@ -36,24 +33,24 @@ def describe_reading(configuration: Configuration) -> str:
 
 
 def describe_name(budget: Budget) -> str:
-    """Its name, and which tasks there are if not all: paper, CartPole only."""
+    """Return a budget's name, and its tasks if they are not all: paper, CartPole only."""
     tasks = chosen_tasks(budget)
     return f"{budget.name}, {listed(map(task_label, tasks))} only" if tasks else budget.name
 
 
 def is_papers(configuration: Configuration) -> bool:
-    """Whether it spends what the paper does, on whatever tasks."""
+    """Whether a budget is as large as the paper's, for any of its tasks."""
     paper = load_configuration("paper", reading=configuration.reading)
     return configuration == with_tasks(paper, configuration.budget.tasks)
 
 
 def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:
-    """G of some tasks, or of all: 500, or 50 (CartPole, LunarLander), 6 (Hopper)."""
+    """Describe G of some tasks or all: 500, or 50 (CartPole, LunarLander), 6 (Hopper)."""
     return by_task({task: str(budget.generations_of(task)) for task in tasks or budget.tasks})
 
 
 def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
-    """Number and length of episodes, for captions that concern some of a budget's tasks, or all."""
+    """Describe the number and length of episodes, for some of a budget's tasks or all."""
     episodes = configuration.evaluation.episodes
     steps = by_task(
         {
@@ -65,7 +62,7 @@ def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -
 
 
 def describe_samples(campaign: Campaign, tasks: Sequence[str] = ()) -> str:
-    """M of the SCORE of some tasks, or of all: 1e8, or 1e7 (CartPole), 1.2e6 (Hopper)."""
+    """Describe M of the SCORE of some tasks or all: 1e8, or 1e7 (CartPole), 1.2e6 (Hopper)."""
     return by_task(
         {
             task: _scientific(campaign.score_samples(task))
@@ -75,9 +72,9 @@ def describe_samples(campaign: Campaign, tasks: Sequence[str] = ()) -> str:
 
 
 def lacking(campaign: Campaign) -> str:
-    """How many of a budget's cells lack seeds, in a sentence for captions; empty where none does.
+    """Return a sentence on cells that lack seeds, for captions; empty if none does.
 
-    The figures that put many cells together cannot mark each, so they say this.
+    Figures of many cells cannot mark each incomplete one, so they print this sentence.
     """
     grid = cells(campaign.configuration)
     missing = [len(campaign.runs(cell).missing) for cell in grid]
@@ -92,7 +89,7 @@ def lacking(campaign: Campaign) -> str:
 
 
 def by_task(values: Mapping[str, str]) -> str:
-    """A value that all tasks share, or each value with its tasks."""
+    """Return the value that all tasks share, or each value with its tasks."""
     if len(set(values.values())) == 1:
         return next(iter(values.values()))
     return ", ".join(
@@ -107,7 +104,7 @@ def _scientific(number: float) -> str:
 
 
 def describe_trials(configuration: Configuration) -> str:
-    """How the variants were run, in a sentence, for captions."""
+    """Describe the runs of the sensitivity study in a sentence, for captions."""
     first, *others = trials(configuration, BASELINE)
     rate = max(trial.spec.plasticity.learning_rate for trial in (first, *others))
     generations = {trial.task: str(trial.spec.generations) for trial in (first, *others)}

@@ -1,4 +1,4 @@
-"""Plain text as LaTeX."""
+"""Conversion of plain text to LaTeX."""
 
 import re
 
@@ -7,7 +7,7 @@ _SPECIAL = {
     "&": "\\&",
     "%": "\\%",
     "#": "\\#",
-    "[": "{[}",  # after a line's \\\\ it would begin an argument
+    "[": "{[}",  # after \\\\ at the end of a line it would begin an argument
     "_": "\\_",
     "$": "\\$",
     "{": "\\{",
@@ -25,6 +25,6 @@ _SPECIAL = {
 
 
 def escape(text: str) -> str:
-    """The text for LaTeX; a hyphen that is a minus becomes one, dashes and hyphens stay."""
+    """Escape text for LaTeX; hyphens that mean minus become minus signs, all others stay."""
     escaped = "".join(_SPECIAL.get(character, character) for character in text)
     return re.sub(r"(?<![\w-])-(?=\d)|(?<= )-(?= )|(?<=\de)-(?=\d)", "$-$", escaped)

@@ -1,4 +1,4 @@
-"""Beside every output a JSON file that leads back from it to its runs."""
+"""Sidecars: a JSON file beside every output that traces it back to its runs."""
 
 import hashlib
 import os
@@ -19,57 +19,57 @@ from neol.study.outcomes.campaign_runs import Source
 
 MAX_BYTES = 2**27
 INPUTS = ("paper", "notebooks", "rules", "Snakefile", "CITATION.cff")
-"""What decides, beside code, constants and records, what tables and figures say."""
+"""Inputs of tables and figures apart from code, constants and records."""
 
 
 def command(output: Path, configuration: Configuration) -> str:
-    """What makes an output again, from the root of the checkout."""
+    """Return the command that makes an output again, from the root of the checkout."""
     path = os.path.relpath(output.resolve(), ROOT)
     return f"snakemake {path} {snakemake_options(configuration)}"
 
 
 class Sidecar(Model):
-    """What made some outputs: figures/table1.json, of table1.tex and table1.csv beside it."""
+    """Provenance of outputs: figures/table1.json for table1.tex and table1.csv beside it."""
 
     outputs: dict[str, str]
-    """SHA-256 by name."""
+    """SHA-256 of each output by name."""
     command: str
-    """That makes them."""
+    """Command that makes the outputs."""
     commit: str | None
     dirty: bool | None
-    """Whether code, constants or `INPUTS` differed from that commit; None outside a checkout."""
+    """Whether code, constants or `INPUTS` differed from the commit; None outside a checkout."""
     budget: str
     reading: str
     differs: dict[str, str]
-    """Each constant that differs from the default reading's, with its value here."""
+    """Constants that differ from the default reading, with their values."""
     configuration: str
     """SHA-256 of the resolved configuration as canonical JSON."""
     records: tuple[Source, ...]
 
     def code(self, digits: int | None = None) -> str:
-        """The commit, so many digits of it; with -dirty where it was not all."""
+        """Return the commit's first digits, with -dirty if inputs differed from it."""
         return describe_checkout(self.commit, self.dirty, digits)
 
     @property
     def run_count(self) -> int:
-        """How many are behind the outputs."""
+        """Number of runs that the outputs are made from."""
         return sum(len(record.runs) for record in self.records)
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Raises UserError where there is none, or it is damaged."""
+        """Read a sidecar. Raises UserError if it is missing or damaged."""
         try:
             return cls.model_validate_json(read_bounded(path, MAX_BYTES))
         except ValidationError:
             raise UserError(
-                f"{path}: damaged, or made by another version of neol; make it anew"
+                f"{path}: damaged, or made by another version of neol; make it again"
             ) from None
 
 
 def write_sidecar(
     outputs: Sequence[Path], configuration: Configuration, sources: Iterable[Source]
 ) -> None:
-    """Write the sidecar of outputs that are there already."""
+    """Write the sidecar of existing outputs."""
     resolved = canonical_json(configuration.model_dump(mode="json"))
     commit, dirty = checkout(*INPUTS)
     sidecar = Sidecar(
@@ -88,22 +88,21 @@ def write_sidecar(
 
 
 def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
-    """Lines that say what made an output: command, commit, budget, and each record and its runs.
+    """Yield lines on the provenance of an output: command, commit, budget, records and runs.
 
-    The files made together come first. One of them or a record that has changed since, or is not
-    there, is marked. Raises UserError where there is no such output, or the JSON file beside it is
-    missing or damaged.
+    The files made together come first. Files and records that have changed since or are missing
+    are marked. Raises UserError if the output or its sidecar is missing, or the sidecar damaged.
     """
     if not output.is_file():
-        raise UserError(f"{output}: there is no such file")
+        raise UserError(f"{output}: no such file")
     if output.suffix == ".parquet":
-        raise UserError(f"{output}: a record, not made from others; ask neol digest for its runs")
+        raise UserError(f"{output}: a record, made from no other; neol digest lists its runs")
     path = output.with_suffix(".json")
     if not path.exists():
-        raise UserError(f"{output}: has no {path.name} beside it, so nothing is known of it")
+        raise UserError(f"{output}: has no {path.name} beside it, which would state its origin")
     sidecar = Sidecar.read(path)
     if output.name not in (*sidecar.outputs, path.name):
-        raise UserError(f"{output}: not one of the files that {path.name} is about")
+        raise UserError(f"{output}: not one of the files that {path.name} lists")
     for name, expected in sidecar.outputs.items():
         yield f"{name}{_state(path.parent / name, expected)}"
     yield f"made by  {sidecar.command}"
@@ -121,7 +120,7 @@ def trace(output: Path, root: Path = ROOT) -> Iterator[str]:
 
 
 def _state(path: Path, expected: str) -> str:
-    """What has become of a file since."""
+    """Return a remark on a file that has changed or is missing."""
     try:
         return "" if sha256(path) == expected else "  (changed since)"
     except UserError:

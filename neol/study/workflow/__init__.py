@@ -1,1 +1,1 @@
-"""What the workflow makes: every table and figure, and how far a campaign is."""
+"""The workflow: its tables and figures, and the status of a campaign."""

@@ -1,7 +1,7 @@
-"""Every table and figure that the workflow makes, each declared once.
+"""The tables and figures of the workflow, each declared once.
 
-The Snakefile, the report and the paper take from here which files there are, which notebook makes
-them from which records, and what their captions say.
+The Snakefile, the report and the paper read here their files, the notebook and records that they
+are made from, and their captions.
 """
 
 from collections.abc import Iterable
@@ -18,14 +18,14 @@ from neol.study.outcomes.chosen_cells import candidates
 
 Target = Literal["tables", "figures", "claims", "beyond"]
 GRID = "grid"
-"""The records of all cells."""
+"""Name of the records of all cells."""
 TRIALS = "sensitivity study"
-"""The records of the sensitivity study."""
+"""Name of the records of the sensitivity study."""
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Exhibits that `snakemake TARGET` makes together, each as files of the same kinds."""
+    """Exhibits that `snakemake TARGET` makes together, with files of the same kinds."""
 
     target: Target
     title: str
@@ -48,16 +48,16 @@ class Exhibit:
     notebook: str
     """Stem of the notebook that makes it."""
     reads: str
-    """Which records: the candidates of a setting in `outcomes.chosen_cells`, `GRID` or `TRIALS`."""
+    """Records it needs: candidates of a setting in `outcomes.chosen_cells`, `GRID` or `TRIALS`."""
     caption: str
     files: str | None = None
-    """What else it reads: a file of the repository, or a pattern of such."""
+    """Other input: a file of the repository, or a pattern of files."""
     task: str | None = None
-    """The only task that it shows; a budget without this task does not have it."""
+    """The only task that it shows; it is omitted for a budget without this task."""
 
 
 def heatmap(name: str, task: str, outcome: str) -> Exhibit:
-    """One of the paper's Figures 4 to 11: an outcome on a task over the whole grid."""
+    """Declare one of the paper's Figures 4 to 11: an outcome on a task over the whole grid."""
     number = name.removeprefix("figure")
     grid = "each population size, method and learning rate"
     caption = f"Figure {number}: {outcome} on {task_label(task)} for {grid}."
@@ -109,7 +109,7 @@ EXHIBITS = (
     Exhibit("beyond_aggregates", BEYOND, "beyond", reads=GRID,
         caption="Aggregates: interquartile mean over tasks with stratified bootstrap intervals."),
     Exhibit("beyond_profiles", BEYOND, "beyond", reads=GRID,
-        caption="Performance profiles: the share of runs that come to at least a return."),
+        caption="Performance profiles: the share of runs that reach at least a return."),
     Exhibit("beyond_efficiency", BEYOND, "beyond", reads=GRID,
         caption="Efficiency: mean best-so-far fitness over equal evaluations and equal "
         "environment steps, beside SCORE."),
@@ -124,7 +124,7 @@ EXHIBITS = (
 
 
 def exhibits(budget: Budget, *targets: Target) -> list[Exhibit]:
-    """Those of some targets, or of all, whose task a budget has."""
+    """Return the exhibits of some targets, or of all, whose task a budget has."""
     return [
         each
         for each in EXHIBITS
@@ -133,7 +133,7 @@ def exhibits(budget: Budget, *targets: Target) -> list[Exhibit]:
 
 
 def by_notebook(exhibits: Iterable[Exhibit]) -> dict[str, list[Exhibit]]:
-    """Some exhibits, by the notebook that makes them."""
+    """Group exhibits by the notebook that makes them."""
     notebooks: dict[str, list[Exhibit]] = {}
     for each in exhibits:
         notebooks.setdefault(each.notebook, []).append(each)
@@ -141,7 +141,7 @@ def by_notebook(exhibits: Iterable[Exhibit]) -> dict[str, list[Exhibit]]:
 
 
 def records(configuration: Configuration, reads: str) -> list[Path]:
-    """The records that an exhibit of a budget reads, below the results folder."""
+    """Return the records that an exhibit of a budget needs, below the results folder."""
     if reads == TRIALS:
         return [trial.record for name in variants() for trial in trials(configuration, name)]
     if reads == GRID:

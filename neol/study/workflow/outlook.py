@@ -1,4 +1,4 @@
-"""How a campaign's runs stand in all, and what the rest will cost by measurement."""
+"""Summary of a campaign's status, and the estimated cost of the rest."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -13,17 +13,17 @@ from neol.study.workflow.status import JobState, JobStatus
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A part of the campaign on a task."""
+    """A part of the campaign on one task."""
 
     task: str
     part: str
     states: Counter[JobState]
     core_hours: float | None
-    """What the rest will cost; None where the task was never measured."""
+    """Estimated cost of the rest; None for a task that was never measured."""
 
 
 class Status:
-    """Where a campaign stands."""
+    """Status of a campaign."""
 
     def __init__(self, statuses: Sequence[JobStatus]) -> None:
         self.statuses = statuses
@@ -32,11 +32,11 @@ class Status:
         )
 
     def of(self, state: JobState) -> list[JobStatus]:
-        """The jobs whose next run is in a state."""
+        """Return the jobs whose next run is in a state."""
         return [status for status in self.statuses if status.state == state]
 
     def states(self, *, sensitivity: bool = False) -> Counter[JobState]:
-        """How many runs are in each state: those of the grid, or those of the sensitivity study."""
+        """Count the runs in each state: those of the grid, or those of the sensitivity study."""
         counts = Counter[JobState]()
         for status in self.statuses:
             if (status.job.part == SENSITIVITY) == sensitivity:
@@ -45,13 +45,13 @@ class Status:
 
     @property
     def over(self) -> bool:
-        """Whether the grid is done and nothing is running."""
+        """Whether the grid is done and no run is in progress."""
         runs = self.states()
         return runs["done"] == runs.total() and not self.of("running")
 
     @property
     def cells(self) -> tuple[int, int]:
-        """How many cells of the grid are done, and how many there are."""
+        """Numbers of finished cells of the grid and of all cells."""
         cells: dict[Path, bool] = {}
         for status in self.statuses:
             if status.job.part != SENSITIVITY:
@@ -61,7 +61,7 @@ class Status:
 
     @cached_property
     def rows(self) -> list[Row]:
-        """The table: tasks and methods in the order of the budget, its sensitivity study last."""
+        """Rows of the table: tasks and methods in the budget's order, sensitivity study last."""
         groups: dict[tuple[str, str], list[JobStatus]] = {}
         for status in self.statuses:
             groups.setdefault((status.job.spec.task.name, status.job.part), []).append(status)
@@ -69,7 +69,7 @@ class Status:
 
     @property
     def seconds_left(self) -> float | None:
-        """Until all is done, on a core for each job that runs; None where none or unknown."""
+        """Time to the end with one core for each running job; None if none runs or unknown."""
         hours = [row.core_hours for row in self.rows]
         running = len(self.of("running"))
         if None in hours or not running:

@@ -1,4 +1,4 @@
-"""What only the Snakefile asks: a pattern for its records, and whether it is alone."""
+"""Functions for the Snakefile: a pattern for its records, and removal of stale locks."""
 
 import fcntl
 import platform
@@ -11,9 +11,9 @@ from neol.study.campaign.grid import RESULTS
 
 
 def pattern(records: Iterable[Path]) -> str:
-    """A regular expression that matches these records: their paths below results/, no suffix.
+    """Return a regular expression for the records' paths below results/, without suffix.
 
-    By folder: Snakemake tries it on every file, alternative by alternative.
+    It is grouped by folder, because Snakemake tries each alternative on every file.
     """
     folders: dict[Path, list[str]] = {}
     for record in records:
@@ -23,13 +23,13 @@ def pattern(records: Iterable[Path]) -> str:
 
 
 def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:
-    """Remove the locks of workflows that were killed; the caller keeps the result, to be seen.
+    """Remove the locks of killed workflows; the caller must keep the returned file open.
 
-    Snakemake's locks are files and outlive it. Every workflow also holds a shared lock of the
-    kernel's, which ends with the process: who gets it exclusively knows that no other one lives
-    here. Without such locks, or where another machine came first, nothing is removed. From the
-    exclusive to the shared lock there is an instant without any (flock(2)); another workflow that
-    comes then finds no locks yet, as Snakemake makes them later.
+    Snakemake's locks are files and outlive it. Each workflow also holds a shared lock of the
+    operating system, which ends with the process; getting it exclusively proves that no other
+    workflow runs here. Without such locks, or if another machine came first, nothing is removed.
+    Between the exclusive and the shared lock there is an instant without any (flock(2)); a
+    workflow that starts then finds no locks yet, since Snakemake makes them later.
     """
     try:
         folder.mkdir(exist_ok=True)

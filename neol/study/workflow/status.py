@@ -1,8 +1,8 @@
-"""How far a budget's campaign is, read from its folder and without touching it.
+"""Status of a budget's campaign, read from its folder without changing it.
 
-The runs of a record are made one after another. Those that are done are in the record or, while it
-is under way, in its `.partial` folder; the next one is running, interrupted, failed or missing,
-and those after it are missing.
+The runs of a record are made one after another. Finished runs are in the record or, before it is
+complete, in its `.partial` folder; the next run is running, interrupted, failed or missing, and
+those after it are missing.
 """
 
 from collections import Counter
@@ -24,49 +24,49 @@ JobState = Literal["done", "running", "interrupted", "failed", "missing"]
 JOB_STATES: tuple[JobState, ...] = get_args(JobState)
 
 LOG_BYTES = 2**16
-"""As much of a log's end is read."""
+"""Bytes that are read from the end of a log."""
 NO_FAILURE = (NOTICE, f"neol: {INTERRUPTED}", f"neol: {TERMINATED}", "KeyboardInterrupt")
-"""How the last line of a log begins that ends in no error."""
+"""Beginnings of the last line of a log that does not end in an error."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """What a finished run came to."""
+    """Results of a finished run."""
 
     spec: RunSpec
-    """With its seed."""
+    """Specification with the run's seed."""
     best_fitness: float
     held_out: float | None
-    """Mean return of the champion in fresh episodes; None if all of them failed."""
+    """Mean return of the champion in held-out episodes; None if all of them failed."""
     time: datetime
 
 
 @dataclass(frozen=True, slots=True)
 class JobStatus:
-    """How far a job is."""
+    """Status of a job."""
 
     job: Job
     state: JobState
-    """Of the first run that is not done; "done" where all are."""
+    """State of the first unfinished run; "done" if there is none."""
     finished: tuple[Finished, ...] = ()
     generation: int = 0
-    """How many generations of that run its last checkpoint holds."""
+    """Generations in the last checkpoint of that run."""
     reason: str = ""
-    """Why it failed."""
+    """Reason of a failure."""
 
     @property
     def runs_left(self) -> float:
-        """How many runs are still to make; a run under way counts by its generations."""
+        """Number of unfinished runs; a run in progress counts by its missing generations."""
         return len(self._unfinished) - self.generation / self.job.spec.generations
 
     @property
     def seed(self) -> int:
-        """That of the first run that is not done."""
+        """Seed of the first unfinished run."""
         return self._unfinished[0]
 
     @property
     def states(self) -> Counter[JobState]:
-        """How many of the runs are in each state."""
+        """Number of runs in each state."""
         counts = Counter[JobState]({"done": len(self.finished)})
         if self._unfinished:
             counts[self.state] += 1
@@ -79,7 +79,7 @@ class JobStatus:
 
 
 class Folder:
-    """A budget's folder. It reads no record twice that has not changed."""
+    """A budget's folder; it reads each record again only after a change."""
 
     def __init__(self, path: Path, configuration: Configuration) -> None:
         self.path = path
@@ -87,7 +87,7 @@ class Folder:
         self._read: dict[Path, tuple[tuple[int, int], tuple[Finished, ...]]] = {}
 
     def job_statuses(self) -> list[JobStatus]:
-        """How far each job is now."""
+        """Return the current status of each job."""
         return [self._job_status(job) for job in self._jobs]
 
     def _job_status(self, job: Job) -> JobStatus:
@@ -109,9 +109,9 @@ class Folder:
                 for seed in job.seeds
             ]
             finished = tuple(r for one in singles if one.record.exists() for r in self._runs(one))
-        except FileNotFoundError as error:  # done since: its runs have moved to its record
+        except FileNotFoundError as error:  # finished meanwhile: its runs have moved to its record
             if looks == 1:
-                return JobStatus(job, "failed", reason=f"{error.filename}: comes and goes")
+                return JobStatus(job, "failed", reason=f"{error.filename}: appears and disappears")
             return self._status(job, looks - 1)
         except UserError as error:
             return JobStatus(job, "failed", reason=str(error))
@@ -122,9 +122,9 @@ class Folder:
         return JobStatus(job, state, finished, generation)
 
     def _runs(self, job: Job) -> tuple[Finished, ...]:
-        """The runs of a job's record; none where the workflow will make it anew.
+        """Return the runs of a job's record; none if the workflow will make it again.
 
-        Raises UserError where it cannot be used.
+        Raises UserError if the record cannot be used.
         """
         path = job.record
         stat = path.stat()
@@ -146,13 +146,13 @@ class Folder:
 
 
 def _time(path: Path, text: str) -> datetime:
-    """Raises UserError for what is no time with its zone."""
+    """Parse a time. Raises UserError for text that is not a time with its zone."""
     try:
         time = datetime.fromisoformat(text)
     except ValueError:
         time = datetime.min
     if time.tzinfo is None:
-        raise UserError(f"{path}: {text[:50]!r} is no time in UTC; restore it, or run anew")
+        raise UserError(f"{path}: {text[:50]!r} is not a time in UTC; restore it, or run again")
     return time
 
 
@@ -162,7 +162,7 @@ def _unfinished(job: Job, finished: Iterable[Finished]) -> list[int]:
 
 
 def _failure(log: Path) -> str:
-    """The last line of a log that ends in an error; nothing of any other."""
+    """Return the last line of a log that ends in an error, otherwise nothing."""
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - LOG_BYTES))

@@ -99,4 +99,4 @@ def test_a_list_that_is_not_allowed(
 
 
 def test_a_reading_that_is_no_candidate() -> None:
-    assert refusal(calls, SCREENING, ["frist"]).startswith('"frist" is no candidate of the search')
+    assert refusal(calls, SCREENING, ["frist"]).startswith('"frist" is not a candidate')

@@ -91,5 +91,5 @@ def test_a_task_that_the_budget_lacks(tasks: str, line: str) -> None:
 
 def test_a_folder_has_a_name() -> None:
     assert folder("a/b") == folder(Path("a/b")) == Path("a/b")
-    with pytest.raises(UserError, match=r"^5: no name of a folder; papermill"):
+    with pytest.raises(UserError, match=r"^5: not the name of a folder; papermill"):
         folder(5)

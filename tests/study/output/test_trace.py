@@ -63,10 +63,10 @@ def test_what_cannot_be_traced_is_said_in_one_line(table: Path) -> None:
     for name in ("nothing.tex", "table3.log", "run.parquet"):
         (folder / name).touch()
     for name, line in (
-        ("none.tex", "none.tex: there is no such file"),
-        ("table3.pdf", "table3.pdf: there is no such file"),
+        ("none.tex", "none.tex: no such file"),
+        ("table3.pdf", "table3.pdf: no such file"),
         ("nothing.tex", "nothing.tex: has no nothing.json beside it"),
-        ("table3.log", "table3.log: not one of the files that table3.json is about"),
+        ("table3.log", "table3.log: not one of the files that table3.json lists"),
         ("run.parquet", "run.parquet: a record, .* neol digest"),
     ):
         with pytest.raises(UserError, match=line):

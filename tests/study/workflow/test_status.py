@@ -87,7 +87,7 @@ def test_a_record_that_comes_and_goes(folder: Folder, monkeypatch: pytest.Monkey
     this = job(folder)
     finish(this)
     monkeypatch.setattr(status, "read_footer", vanish)
-    assert status_of(folder, this).reason == f"{this.record}: comes and goes"
+    assert status_of(folder, this).reason == f"{this.record}: appears and disappears"
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_a_time_that_is_none_fails_its_job_only(folder: Folder) -> None:
     foreign = record.seeds[0].provenance.model_copy(update={"time": "yesterday"})
     changed = tuple(info.model_copy(update={"provenance": foreign}) for info in record.seeds)
     write_record(this.record, dataclasses.replace(record, seeds=changed))
-    assert "'yesterday' is no time" in status_of(folder, this).reason
+    assert "'yesterday' is not a time" in status_of(folder, this).reason
     assert status_of(folder, other).state == "done"
 
 
