@@ -35,6 +35,18 @@ def outcomes(values: Values, seeds: int = 8, generations: int | dict[str, int] =
     candidates: dict[tuple[str, str], list[Cell]] = {}
     for each in values:
         candidates.setdefault((each.task, each.method), []).append(each)
+    spent_by_generation = (10, 20)  # with the same best fitness
+    histories = {
+        each: pd.DataFrame(
+            [
+                (seed, value, spent, spent)
+                for seed, value in enumerate(runs)
+                for spent in spent_by_generation
+            ],
+            columns=["seed", "best_fitness", "evaluations", "env_steps"],
+        )
+        for each, runs in values.items()
+    }
     return Outcomes(
         pd.DataFrame(rows, columns=columns).astype({"learning_rate": float}),
         tuple(values),
@@ -42,6 +54,7 @@ def outcomes(values: Values, seeds: int = 8, generations: int | dict[str, int] =
         load_configuration("paper").budget.model_copy(
             update={"seeds": seeds, "generations": generations}
         ),
+        histories,
     )
 
 

@@ -156,9 +156,9 @@ def _find(part: Part, outcomes: Outcomes, random: np.random.Generator, alpha: fl
     missing = any(outcomes.missing(cell) for cell in (*cells, *part.among))
     if len(cells) < len(part.cells):
         return PartVerdict(part, "undecided", SEEDS_MISSING if missing else NO_SUCH_CELL)
-    samples = [outcomes.values(cell, part.metric) for cell in cells]
+    samples = outcomes.samples(cells, part.metric)
     seeds = min(map(len, samples))
-    if any(np.isnan(outcomes.values(each, part.metric)).any() for each in (*cells, *part.among)):
+    if any(np.isnan(sample).any() for sample in samples):
         reason = NO_COMMON_RANGE if part.metric in EQUAL else "a run has no value"
         return PartVerdict(part, "undecided", reason, seeds=seeds)
     if seeds < 2:

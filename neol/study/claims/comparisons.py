@@ -70,7 +70,7 @@ class Compare(Pairing):
         effect = signed(DIFFERENCES[self.statistic], self.direction)
         outliers = self.statistic == "low_outliers"
         for task, method in product(self.tasks, self.methods):
-            unit = outcomes.unit(self.metric, task)
+            unit = METRICS[self.metric]
             unit = f"share of runs, {unit}" if outliers else unit
             cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             label = f"{task}: {self.statistic} of {method} {self.direction} than {self.against}"
@@ -88,7 +88,7 @@ class Significant(Pairing):
             cells, among = chosen(outcomes, self.setting, task, (method, self.against))
             yield Part(
                 label=f"{task}: {method} over {self.against} {self.kind.replace('_', ' ')}",
-                unit=f"A12 - 0.5, {outcomes.unit(self.metric, task)}",
+                unit=f"A12 - 0.5, {METRICS[self.metric]}",
                 cells=cells,
                 metric=self.metric,
                 rule=by_rank_sum(differs=self.kind == "significant"),
@@ -120,7 +120,7 @@ class Rank(Model):
             label = f"{task}: {self.method} among the best {self.at_most}"
             # Who shares the first place is second at least, but does not lead.
             rule = by_interval(lead, at_least=self.at_most > 1)
-            yield Part(label, outcomes.unit(self.metric, task), cells, self.metric, rule, among)
+            yield Part(label, METRICS[self.metric], cells, self.metric, rule, among)
 
 
 class Gain(Model):

@@ -11,7 +11,7 @@ from neol.spec.types import Model
 from neol.study.campaign.grid import Cell
 from neol.study.claims.comparisons import Methods, Part, chosen, signed
 from neol.study.claims.judgement import by_interval, by_one_run, by_share
-from neol.study.outcomes.outcomes import EQUAL, Metric, Outcomes, Setting
+from neol.study.outcomes.outcomes import EQUAL, METRICS, Metric, Outcomes, Setting
 from neol.study.outcomes.statistics import Floats, mean_difference, superiority
 
 Size = int | Literal["smallest", "largest"]
@@ -64,7 +64,7 @@ class Level(Model):
                 bound = self.bound.replace("_", " ")
                 yield Part(
                     label=f"{task}: {_cell(method, cell)} {bound} {self.level:g}",
-                    unit=outcomes.unit(self.metric, task),
+                    unit=METRICS[self.metric],
                     cells=(cell,),
                     metric=self.metric,
                     rule=by_one_run(distance, reaches=reaches)
@@ -103,7 +103,7 @@ class Share(Model):
                 f"{task}: {method} {self.direction} than {self.against} "
                 f"in more than {self.more_than:.0%} of its cells"
             )
-            unit = f"share of cells above {self.more_than:.0%}, {outcomes.unit(self.metric, task)}"
+            unit = f"share of cells above {self.more_than:.0%}, {METRICS[self.metric]}"
             found = tuple(cells) or (None,)
             yield Part(label, unit, found, self.metric, by_share(self.more_than))
 
@@ -138,7 +138,7 @@ class Trend(Model):
             )
             found = tuple(cells) if pairs else (None,)
             effect = signed(trend, "higher" if self.direction == "up" else "lower")
-            unit = f"A12 - 0.5, {outcomes.unit(self.metric, task)}"
+            unit = f"A12 - 0.5, {METRICS[self.metric]}"
             yield Part(
                 label,
                 unit,
@@ -191,7 +191,7 @@ class Peak(Model):
             )
             yield Part(
                 label=label,
-                unit=outcomes.unit(self.metric, task),
+                unit=METRICS[self.metric],
                 cells=tuple(pair) or (None,),
                 metric=self.metric,
                 rule=by_interval(lead, picked=(len(inside), len(outside))),
@@ -234,7 +234,7 @@ class Sensitivity(Model):
             several = cells and all(len(row) > 1 for grid in rows for row in grid)
             label = f"{task}: {self.method} depends on the learning rate more than {other}"
             found = cells if several else (None,)
-            unit = outcomes.unit(self.metric, task)
+            unit = METRICS[self.metric]
             yield Part(label, unit, found, self.metric, by_interval(difference))
 
 

@@ -105,7 +105,8 @@ def by_rank_sum(*, differs: bool) -> DecisionRule:
     def judge(samples: Sequence[Floats], random: np.random.Generator, alpha: float) -> Judgement:
         found = estimate(effect, samples, random)
         value, low, high = found.value, found.low, found.high
-        higher, lower = rank_sum(*samples), rank_sum(*reversed(samples))
+        first, second = samples
+        higher, lower = rank_sum(first, second, "greater"), rank_sum(second, first, "greater")
         if differs:
             needed = seeds_needed(value + 0.5, alpha=ALPHA if value > 0 else alpha)
             return Judgement(value, low, high, higher < ALPHA, lower < alpha, higher, needed)

@@ -1,13 +1,13 @@
 """What the paper does not show: effect sizes, aggregates, equal cost, selection bias.
 
 Each function makes a table from a budget's outcomes; `effect_figures` draws it. Seeds are the
-units. Cells are taken as independent samples of them, which they are not wholly: a seed gives all
-methods the same episodes and, as far as their sizes agree, the same first population. As far as
-that makes their runs alike, the intervals of a difference are too wide rather than too narrow.
+units. A seed gives all methods the same episodes and, as far as their sizes agree, the same first
+population. So beside each difference of independent samples there are the correlation of the runs
+that share a seed and the difference by pairs, which is narrower where they are alike.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -17,10 +17,13 @@ import pandas as pd
 
 from neol.spec.configuration import load_configuration
 from neol.spec.constants import Budget
+from neol.study.campaign.grid import Cell
 from neol.study.campaign.methods import challengers, shown_methods
 from neol.study.outcomes import paper_numbers
+from neol.study.outcomes.contrasts import Moments, correlation, difference, paired
 from neol.study.outcomes.outcomes import EQUAL, Metric, Outcomes, Setting
 from neol.study.outcomes.statistics import (
+    ALPHA,
     Effect,
     Floats,
     bootstrap,
@@ -50,8 +53,10 @@ class Family(NamedTuple):
     against: str
     declared: bool
     """Whether its tests of rules are of the declared family, of which Holm's correction is."""
-    paper_table: int | None = None
-    """The paper's p-values of the same comparison."""
+    paper_tables: tuple[int, ...] = ()
+    """Those that print the means of the same comparison."""
+    paper_p_values: int | None = None
+    """The table of the paper's p-values of it."""
 
     def methods(self, budget: Budget) -> tuple[str, ...]:
         """Those that are compared."""
@@ -59,11 +64,11 @@ class Family(NamedTuple):
 
 
 COMPARISONS = (
-    Family(FITNESS, "table3", "final_best", "neat", True, 5),
-    Family(SCORE, "score", "score", "neat", True, 6),
+    Family(FITNESS, "table3", "final_best", "neat", True, (1, 7), 5),
+    Family(SCORE, "score", "score", "neat", True, (2, 8), 6),
     Family(HELD_OUT, "table3", "held_out", "neat", False),
-    Family(FITNESS, "table4", "final_best", ABLATION, True),
-    Family(SCORE, "score", "score", ABLATION, True),
+    Family(FITNESS, "table4", "final_best", ABLATION, True, (7,)),
+    Family(SCORE, "score", "score", ABLATION, True, (8,)),
     Family(HELD_OUT, "table4", "held_out", ABLATION, False),
 )
 """Four of three rules on four tasks make the declared family of 48 tests."""
@@ -81,60 +86,72 @@ def thresholds() -> dict[str, float]:
 
 
 def effect_sizes(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
-    """Each of `COMPARISONS`: A12 with interval, p-values, Holm's over the family, seeds needed.
+    """Each of `COMPARISONS` on each task: the difference of means, and what stands beside it.
 
-    A row with task "all" is the probability of improvement: A12 averaged over the tasks. The tests
-    of NEAT (w/o) are of no family.
+    `difference` has Welch's interval (`low`, `high`) and two-sided `p`, corrected by Holm over the
+    declared family in `p_holm`. Beside it, of the same runs: the analysis of pairs that share a
+    seed (`paired`, its interval, and their `correlation`), A12 with its bootstrap interval, and the
+    two-sided rank-sum test; of the paper, the difference of its printed means with Welch's interval
+    and A12 from its p-value. `seeds_needed` is for the paper's A12. `near_control`: the rule
+    moves next to nothing there. A row with task "all" is the probability of improvement, A12
+    averaged over several tasks. The tests of NEAT (w/o) are of no family.
     """
     random = np.random.default_rng(seed)
     rows: list[dict[str, object]] = []
-    for comparison in COMPARISONS:
-        for method in comparison.methods(budget):
-            declared = comparison.declared and method != ABLATION
-            table = comparison.paper_table if declared else None
+    for family in COMPARISONS:
+        for method in family.methods(budget):
+            declared = family.declared and method != ABLATION
+            both, pairs = (method, family.against), list[Floats]()
             place: dict[str, object] = {
-                "outcome": comparison.outcome,
+                "outcome": family.outcome,
                 "method": method,
-                "against": comparison.against,
+                "against": family.against,
             }
-            pairs = {
-                task: [
-                    _chosen(outcomes, comparison.setting, task, each, comparison.metric)
-                    for each in (method, comparison.against)
-                ]
-                for task in budget.tasks
-            }
-            for task, pair in pairs.items():
-                effect, p = _effect(superiority, pair, random), rank_sum(*pair)
-                tested = {
-                    "p": p,
-                    "p_holm": p if declared else math.nan,
-                    "seeds_needed": seeds_needed(effect["a12"]),
-                    "paper_a12": paper_numbers.paper_a12(table, task, method)
-                    if table
-                    else math.nan,
+            for task in budget.tasks:
+                sides = [_chosen(outcomes, family.setting, task, each) for each in both]
+                runs = [_by_seed(outcomes, cell, family.metric) for cell in sides]
+                pair = [np.array(list(side.values())) for side in runs]
+                primary = _primary(runs)
+                paper_a12 = (
+                    paper_numbers.paper_a12(family.paper_p_values, task, method)
+                    if family.paper_p_values and declared
+                    else math.nan
+                )
+                beside = {
+                    **_effect(superiority, pair, random),
+                    "p_rank_sum": rank_sum(pair[0], pair[1]),
+                    **_papers(family, task, method),
+                    "paper_a12": paper_a12,
+                    "seeds_needed": seeds_needed(paper_a12, alpha=ALPHA / 2),
+                    "near_control": sides[0] in outcomes.near_control,
                 }
-                rows.append(place | {"task": task} | effect | tested)
-            samples = [sample for pair in pairs.values() for sample in pair]
-            rows.append(place | {"task": "all"} | _effect(mean_superiority, samples, random))
+                tested = {"p_holm": primary["p"] if declared else math.nan}
+                rows.append(place | {"task": task} | primary | tested | beside)
+                pairs += pair
+            if len(budget.tasks) > 1:
+                together = _effect(mean_superiority, pairs, random)
+                seeds = min(map(len, pairs))
+                rows.append(place | {"task": "all", "seeds": seeds} | together)
     frame = pd.DataFrame(rows)
     frame["p_holm"] = holm(frame["p_holm"].tolist())
     return frame
 
 
 def aggregates(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
-    """Interquartile mean of the final fitness in units of Gymnasium's thresholds, with interval."""
+    """Interquartile mean of the final fitness in units of Gymnasium's thresholds, with interval.
+
+    Of each task, and with task "all" their mean where there are several.
+    """
     random = np.random.default_rng(seed)
     rows = []
     for method in shown_methods(budget):
         samples = _normalised(outcomes, budget.tasks, method)
-        for task, some in (
-            *((task, [sample]) for task, sample in samples.items()),
-            ("all", list(samples.values())),
-        ):
-            iqm = estimate(interquartile_mean, some, random) if some else None
-            if iqm is not None:
-                rows.append((task, method, min(map(len, some)), iqm.value, iqm.low, iqm.high))
+        parts = {task: [sample] for task, sample in samples.items()}
+        if len(samples) > 1:
+            parts["all"] = list(samples.values())
+        for task, some in parts.items():
+            iqm = estimate(interquartile_mean, some, random)
+            rows.append((task, method, min(map(len, some)), iqm.value, iqm.low, iqm.high))
     return pd.DataFrame(rows, columns=["task", "method", "seeds", "iqm", "low", "high"])
 
 
@@ -169,17 +186,30 @@ def profiles(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
 def efficiency(outcomes: Outcomes) -> pd.DataFrame:
     """SCORE and the best-so-far fitness at equal cost, by task, method and population.
 
-    Means over the learning rates, then over the seeds: nothing is selected. A row for each metric;
-    `first` and `last` are the evaluations (or steps) that a mean at equal cost is taken between.
+    Means over the learning rates, then over the seeds: nothing is selected. A row for each metric,
+    and for each of two ranges: methods of one `population` share nearly their whole runs, cells of
+    all `populations` much less. `first` and `last` are the evaluations (or steps) that a mean at
+    equal cost is taken between. SCORE has no range; divided by P it is `score_per_genome`.
     """
-    metrics = ["score", *EQUAL]
-    long = outcomes.runs.melt(
-        ["task", "method", "population", "seed"], metrics, var_name="metric", value_name="value"
-    )
-    table = _mean_by(long, ["metric", "task", "method", "population"])
-    ranges = [(task, metric, *ends) for (task, metric), ends in outcomes.equal.items()]
-    ends = pd.DataFrame(ranges, columns=["task", "metric", "first", "last"])
-    return table.merge(ends, how="left")
+    keys = ["metric", "compared", "task", "method", "population"]
+    own = outcomes.runs.assign(compared="population")
+    scores = [
+        own.assign(metric="score", value=own["score"]),
+        own.assign(metric="score_per_genome", value=own["score"] / own["population"]),
+    ]
+    tables = [_mean_by(pd.concat(scores), keys)]
+    for metric in EQUAL:
+        for task in outcomes.budget.tasks:
+            grid = [cell for cell in outcomes.cells if cell.task == task]
+            sizes = dict.fromkeys(cell.population for cell in grid)
+            together = [[cell for cell in grid if cell.population == size] for size in sizes]
+            for compared, groups in (("population", together), ("populations", [grid])):
+                for group in groups:
+                    runs = _at_equal_cost(outcomes, group, metric)
+                    means = _mean_by(runs.assign(metric=metric, compared=compared), keys)
+                    first, last = outcomes.equal_range(group, metric)
+                    tables.append(means.assign(first=first, last=last))
+    return pd.concat([each for each in tables if len(each)] or tables, ignore_index=True)
 
 
 def selection_bias(outcomes: Outcomes) -> pd.DataFrame:
@@ -195,26 +225,72 @@ def selection_bias(outcomes: Outcomes) -> pd.DataFrame:
     return _mean_by(runs, keys).merge(means, how="left")
 
 
+def _primary(runs: Sequence[Mapping[int, float]]) -> dict[str, float]:
+    """The difference of the means of two groups of runs, by seed, and that of their pairs."""
+    moments = [Moments.of(list(side.values())) for side in runs]
+    between, within = difference(*moments), paired(*runs)
+    low, high = between.interval()
+    paired_low, paired_high = within.interval()
+    return {
+        "seeds": min(each.seeds for each in moments),
+        "difference": between.value,
+        "low": low,
+        "high": high,
+        "p": between.p(),
+        "paired": within.value,
+        "paired_low": paired_low,
+        "paired_high": paired_high,
+        "correlation": correlation(*runs),
+    }
+
+
+def _papers(family: Family, task: str, method: str) -> dict[str, float]:
+    """The difference of the means that the paper prints, with Welch's interval; NaN without."""
+    printed = paper_numbers.moments(family.paper_tables, task)
+    both = [printed.get(each, Moments(0, math.nan, math.nan)) for each in (method, family.against)]
+    papers = difference(*both)
+    low, high = papers.interval()
+    return {"paper_difference": papers.value, "paper_low": low, "paper_high": high}
+
+
 def _effect(
     effect: Effect, samples: Sequence[Floats], random: np.random.Generator
 ) -> dict[str, float]:
     """An A12 with its interval, as columns of a table."""
     a12 = estimate(effect, samples, random)
-    return {"seeds": min(map(len, samples)), "a12": a12.value, "low": a12.low, "high": a12.high}
+    return {"a12": a12.value, "a12_low": a12.low, "a12_high": a12.high}
 
 
-def _chosen(outcomes: Outcomes, setting: str, task: str, method: str, metric: str) -> Floats:
-    """The runs that stand for a method; NEAT (w/o), which Table 3 lacks, has its Table 4 cell."""
+def _chosen(outcomes: Outcomes, setting: str, task: str, method: str) -> Cell | None:
+    """The cell that stands for a method; NEAT (w/o), which Table 3 lacks, has its Table 4 cell."""
     setting = "table4" if (setting, method) == ("table3", ABLATION) else setting
-    cell = outcomes.chosen(setting, task, method)
-    return np.array([]) if cell is None else outcomes.values(cell, metric)
+    return outcomes.chosen(setting, task, method)
+
+
+def _by_seed(outcomes: Outcomes, cell: Cell | None, metric: str) -> dict[int, float]:
+    """An outcome of the runs of a cell by seed, without those that have none."""
+    if cell is None:
+        return {}
+    values = zip(outcomes.seeds(cell), outcomes.values(cell, metric).tolist(), strict=True)
+    return {seed: value for seed, value in values if not math.isnan(value)}
+
+
+def _at_equal_cost(outcomes: Outcomes, compared: Sequence[Cell], metric: str) -> pd.DataFrame:
+    """The runs of some cells with their `value`, a mean at equal cost."""
+    rows = [
+        (cell.task, cell.method, cell.population, seed, value)
+        for cell, values in zip(compared, outcomes.samples(compared, metric), strict=True)
+        for seed, value in zip(outcomes.seeds(cell), values, strict=True)
+    ]
+    return pd.DataFrame(rows, columns=["task", "method", "population", "seed", "value"])
 
 
 def _normalised(outcomes: Outcomes, tasks: Sequence[str], method: str) -> dict[str, Floats]:
     """A method's final fitness on each task that has a threshold, divided by it."""
+    chosen = {task: _chosen(outcomes, "table3", task, method) for task in tasks}
     return {
-        task: _chosen(outcomes, "table3", task, method, "final_best") / thresholds()[task]
-        for task in tasks
+        task: np.array([*_by_seed(outcomes, cell, "final_best").values()]) / thresholds()[task]
+        for task, cell in chosen.items()
         if task in thresholds()
     }
 

@@ -1,6 +1,6 @@
 """What every run of a budget came to: one row a run, from which all statistics are made."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
@@ -12,6 +12,7 @@ from neol.spec.constants import Budget
 from neol.study.campaign.grid import Cell, cells
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates, choose
+from neol.study.outcomes.movement import near_control
 from neol.study.outcomes.score import mean_best_so_far
 from neol.study.outcomes.statistics import Floats
 
@@ -24,7 +25,7 @@ METRICS = {
 }
 """Outcomes of a run, and how they are called in print."""
 _OWN = ("final_best", "score", "held_out")
-"""Those that a run has by itself; the others compare runs of a task up to where all have come."""
+"""Those that a run has by itself; the others depend on which runs are compared."""
 EQUAL = {"equal_evaluations": "evaluations", "equal_steps": "env_steps"}
 """What each of those is a mean over: a column of records."""
 
@@ -34,25 +35,64 @@ class Outcomes:
     """The runs of a budget that there are."""
 
     runs: pd.DataFrame
-    """A row a run: task, method, population, learning_rate (NaN for none), seed, and `METRICS`."""
+    """A row a run: task, method, population, learning_rate (NaN for none), seed, and its outcomes.
+
+    Those are the `METRICS` that a run has by itself; `samples` has the others.
+    """
     cells: tuple[Cell, ...]
     """The budget's grid, whether it has runs or not."""
     candidates: Mapping[str, Mapping[tuple[str, str], list[Cell]]]
     """By setting, task and method: the cells that it chooses among."""
     budget: Budget
-    equal: Mapping[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
-    """By task and measure at equal cost: the range of its mean, common to all runs of the task."""
+    histories: Mapping[Cell, pd.DataFrame] = field(default_factory=dict)
+    """Of the cells that have runs: a row a seed and generation, with the columns of a record."""
 
-    def unit(self, metric: str, task: str) -> str:
-        """What a metric is called, with the range that it is a mean over."""
-        if (task, metric) not in self.equal:
-            return METRICS[metric]
-        first, last = self.equal[task, metric]
-        return f"{METRICS[metric]} ({first:.0f} to {last:.0f})"
+    near_control: frozenset[Cell] = frozenset()
+    """Those whose rule moves next to nothing."""
+
+    def samples(self, compared: Sequence[Cell], metric: str) -> list[Floats]:
+        """The runs of some cells that are compared with each other, by seed.
+
+        A mean at equal cost is taken over the range that the runs of just these cells have in
+        common (`equal_range`); NaN where there is none.
+        """
+        if metric not in EQUAL:
+            return [self.values(cell, metric) for cell in compared]
+        column, ends = EQUAL[metric], self.equal_range(compared, metric)
+        return [
+            np.array(
+                [
+                    mean_best_so_far(run["best_fitness"], run[column], *ends)
+                    for run in self._runs(cell)
+                ]
+            )
+            for cell in compared
+        ]
+
+    def equal_range(self, compared: Iterable[Cell], metric: str) -> tuple[float, float]:
+        """From where and to where all runs of some cells have a best-so-far fitness.
+
+        In evaluations or environment steps, as the metric counts: from the latest end of a first
+        generation to the earliest end of a run. NaN without runs.
+        """
+        column = EQUAL[metric]
+        spent = [
+            (run[column].iloc[0], run[column].iloc[-1])
+            for cell in compared
+            for run in self._runs(cell)
+        ]
+        if not spent:
+            return float("nan"), float("nan")
+        first, last = zip(*spent, strict=True)
+        return float(max(first)), float(min(last))
 
     def values(self, cell: Cell, metric: str) -> Floats:
-        """The runs of a cell, by seed."""
+        """An outcome that the runs of a cell have by themselves, by seed."""
         return self._by_cell.get(cell, self.runs.iloc[:0])[metric].to_numpy(dtype=np.float64)
+
+    def seeds(self, cell: Cell) -> list[int]:
+        """The seeds of a cell that there are, in the order of `values`."""
+        return [int(seed) for seed in self._by_cell.get(cell, self.runs.iloc[:0])["seed"]]
 
     def mean(self, cell: Cell, metric: str) -> float:
         """Over the seeds that there are; NaN without any."""
@@ -73,6 +113,11 @@ class Outcomes:
         values = {cell: self.values(cell, metric).tolist() for cell in among}
         return choose(values, [cell for cell in among if not self.missing(cell)])
 
+    def _runs(self, cell: Cell) -> Iterator[pd.DataFrame]:
+        """The generations of each of a cell's runs, by seed."""
+        if cell in self.histories:
+            yield from (run for _, run in self.histories[cell].groupby("seed"))
+
     @cached_property
     def _by_cell(self) -> dict[Cell, pd.DataFrame]:
         keys = ["task", "method", "population", "learning_rate"]
@@ -84,53 +129,25 @@ def gather(campaign: Campaign) -> Outcomes:
     """The outcomes of all runs of a campaign."""
     configuration = campaign.configuration
     grid = tuple(cells(configuration))
-    equal = {
-        (task, metric): equal_range(campaign, [cell for cell in grid if cell.task == task], column)
-        for task in configuration.budget.tasks
-        for metric, column in EQUAL.items()
-    }
-    rows = [row for cell in grid for row in _rows(campaign, cell, equal)]
-    columns = ["task", "method", "population", "learning_rate", "seed", *_OWN, *EQUAL]
+    rows = [row for cell in grid for row in _rows(campaign, cell)]
+    columns = ["task", "method", "population", "learning_rate", "seed", *_OWN]
     return Outcomes(
         pd.DataFrame(rows, columns=columns).astype(
-            dict.fromkeys(["learning_rate", *METRICS], np.float64)
+            dict.fromkeys(["learning_rate", *_OWN], np.float64)
         ),
         grid,
         {setting: candidates(configuration, setting) for setting in SETTINGS},
         configuration.budget,
-        equal,
+        {cell: campaign.runs(cell).rows for cell in grid},
+        near_control(campaign),
     )
 
 
-def equal_range(campaign: Campaign, compared: Iterable[Cell], column: str) -> tuple[float, float]:
-    """From where and to where all runs of some cells have a best-so-far fitness: NaN without runs.
-
-    `column` is evaluations or env_steps. From the latest end of a first generation to the earliest
-    end of a run.
-    """
-    spent = [
-        (run.iloc[0], run.iloc[-1])
-        for cell in compared
-        for _, run in campaign.runs(cell).rows.groupby("seed")[column]
-    ]
-    if not spent:
-        return float("nan"), float("nan")
-    first, last = zip(*spent, strict=True)
-    return float(max(first)), float(min(last))
-
-
-def _rows(
-    campaign: Campaign, cell: Cell, equal: Mapping[tuple[str, str], tuple[float, float]]
-) -> Iterator[tuple[object, ...]]:
+def _rows(campaign: Campaign, cell: Cell) -> Iterator[tuple[object, ...]]:
     """What each run of a cell came to."""
     own = [campaign.values(cell, metric) for metric in _OWN]
-    for seed, run in campaign.runs(cell).rows.groupby("seed"):
-        at_equal = [
-            mean_best_so_far(run["best_fitness"], run[column], *equal[cell.task, metric])
-            for metric, column in EQUAL.items()
-        ]
-        place = cell.task, cell.method, cell.population, cell.learning_rate, seed
-        yield *place, *(values[int(seed)] for values in own), *at_equal  # type: ignore[arg-type]
+    place = cell.task, cell.method, cell.population, cell.learning_rate
+    yield from ((*place, seed, *(values[seed] for values in own)) for seed in sorted(own[0]))
 
 
 def _cell(task: str, method: str, population: int, learning_rate: float) -> Cell:

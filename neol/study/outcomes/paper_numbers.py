@@ -2,9 +2,10 @@
 
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from neol.study.campaign.grid import REFERENCE
+from neol.study.outcomes.contrasts import Moments
 from neol.study.outcomes.statistics import paper_statistic
 
 PAPER_SEEDS = 30
@@ -66,6 +67,16 @@ def values(table: int) -> dict[tuple[str, str], tuple[float, float | None]]:
         (row["task"], row["column"]): (float(row["value"]), _optional(row["sd"]))
         for row in _rows("tables", table)
     }
+
+
+def moments(tables: Iterable[int], task: str) -> dict[str, Moments]:
+    """Mean and deviation of each method on a task, in the first of some tables that has it."""
+    found: dict[str, Moments] = {}
+    for table in tables:
+        for (of, method), (mean, sd) in values(table).items():
+            if of == task and sd is not None:
+                found.setdefault(method, Moments(PAPER_SEEDS, mean, sd))
+    return found
 
 
 def paper_a12(table: int, task: str, method: str) -> float:

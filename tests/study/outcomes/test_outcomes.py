@@ -7,7 +7,7 @@ import pytest
 
 from neol.study.campaign.grid import Cell
 from neol.study.outcomes.campaign_runs import Campaign
-from neol.study.outcomes.outcomes import METRICS, Outcomes, equal_range, gather
+from neol.study.outcomes.outcomes import EQUAL, Outcomes, gather
 from neol.study.tables.summary import best_fitness
 from tests.helpers.made_up import configuration, write_campaign
 
@@ -24,14 +24,15 @@ def collected(folder: Path, values: dict[Cell, list[float | None]]) -> Outcomes:
 def test_the_outcomes_of_a_run_by_hand(tmp_path: Path) -> None:
     """Seed 2 of Oja has 11, 10, 9; M = 1e8 x 3 x 12 / 150,000 = 24,000.
 
-    All runs have a value from 12 evaluations (P = 12) to 18 (P = 6): there the first 11.
+    Compared with NEAT's P = 6, all have a value from 12 evaluations to 18: there the first 11.
     """
     outcomes = collected(tmp_path, {OJA: [2.0, 4.0, 9.0]})
     assert outcomes.values(OJA, "final_best").tolist() == [2, 4, 9]
     assert outcomes.values(OJA, "score")[2] == pytest.approx(12 / 24_000 * (11 + 10 + 9))
     assert outcomes.values(OJA, "held_out").tolist() == [1, 3, 8]
-    assert outcomes.values(OJA, "equal_evaluations").tolist() == [4, 6, 11]
-    assert outcomes.values(OJA, "equal_steps").tolist() == [4, 6, 11]
+    for metric in EQUAL:
+        ours, neats = outcomes.samples([OJA, NEAT], metric)
+        assert (ours.tolist(), neats.tolist()) == ([4, 6, 11], [2, 2, 2])
 
 
 def test_outcomes_are_joined_by_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,29 +47,43 @@ def test_outcomes_are_joined_by_seed(tmp_path: Path, monkeypatch: pytest.MonkeyP
     outcomes = collected(tmp_path, {OJA: [2.0, 4.0, 9.0]})
     assert outcomes.values(OJA, "final_best").tolist() == [2, 4, 9]
     assert outcomes.values(OJA, "held_out").tolist() == [1, 3, 8]
-    assert outcomes.values(OJA, "equal_steps").tolist() == [4, 6, 11]
+    assert outcomes.samples([OJA], "equal_steps")[0].tolist() == [4, 6, 11]
 
 
 def test_every_run_has_a_row(tmp_path: Path) -> None:
     outcomes = collected(tmp_path, {})
     assert len(outcomes.runs) == len(outcomes.cells) * 3
-    assert not outcomes.runs[list(METRICS)].isna().any(axis=None)
+    assert not outcomes.runs[["final_best", "score", "held_out"]].isna().any(axis=None)
     assert outcomes.mean(NEAT, "final_best") == 0
 
 
-def test_the_range_that_all_have(tmp_path: Path) -> None:
-    constants = configuration(generations=3)
-    write_campaign(tmp_path, constants, {})
-    campaign = Campaign(constants, tmp_path)
-    assert equal_range(campaign, [OJA, NEAT], "evaluations") == (12, 18)
-    assert equal_range(campaign, [NEAT], "env_steps") == (60, 180)
-    assert np.isnan(equal_range(campaign, [], "env_steps")).all()
-
-
-def test_the_range_is_part_of_the_unit(tmp_path: Path) -> None:
+def test_the_range_is_that_of_the_cells_compared(tmp_path: Path) -> None:
+    """Cells of one population share their whole runs, whatever else the grid has."""
     outcomes = collected(tmp_path, {})
-    assert outcomes.unit("equal_evaluations", "cartpole").endswith("evaluations (12 to 18)")
-    assert outcomes.unit("score", "cartpole") == "SCORE"
+    large = Cell("cartpole", "neat", 12, None)
+    assert outcomes.equal_range([OJA, NEAT], "equal_evaluations") == (12, 18)
+    assert outcomes.equal_range([OJA, large], "equal_evaluations") == (12, 36)
+    assert outcomes.equal_range([NEAT], "equal_steps") == (60, 180)
+    assert np.isnan(outcomes.equal_range([], "equal_steps")).all()
+
+
+def test_a_mean_at_equal_cost_by_plain_summation(tmp_path: Path) -> None:
+    """A second way: the best so far after every single evaluation, averaged over the range."""
+    outcomes = collected(tmp_path, {OJA: [2.0, 4.0, 9.0]})
+    small = Cell("cartpole", "oja", 6, 0.25)
+    for compared in ([OJA, NEAT], [OJA, small], [OJA]):
+        first, last = (int(end) for end in outcomes.equal_range(compared, "equal_evaluations"))
+        for cell, values in zip(
+            compared, outcomes.samples(compared, "equal_evaluations"), strict=True
+        ):
+            for seed, value in enumerate(values):
+                runs = outcomes.histories[cell]
+                run = runs[runs["seed"] == seed]
+                heights = [
+                    run.loc[run["evaluations"] <= spent, "best_fitness"].max()
+                    for spent in range(first, last)
+                ]
+                assert value == pytest.approx(np.mean(heights))
 
 
 def test_missing_seeds_are_counted_and_such_a_cell_is_not_chosen(tmp_path: Path) -> None:

@@ -18,7 +18,18 @@ PAIRS = [column for pair in zip(OURS.T, THEIRS.T, strict=True) for column in pai
 
 
 def test_interquartile_mean() -> None:
-    assert interquartile_mean(*OURS.T) == pytest.approx(metrics.aggregate_iqm(OURS))
+    """Theirs of each task, averaged: pooled, their own would trim the tasks that lie outside."""
+    by_task = [metrics.aggregate_iqm(column[:, None]) for column in OURS.T]
+    assert interquartile_mean(*OURS.T) == pytest.approx(np.mean(by_task))
+
+
+def test_no_task_is_trimmed_away() -> None:
+    """Two tasks far above and below two others: pooled, a change in them would not be seen."""
+    apart = OURS + np.array([10, 0, 0, -10])
+    better = apart + np.array([1, 0, 0, 1])
+    assert metrics.aggregate_iqm(better) == pytest.approx(metrics.aggregate_iqm(apart))
+    gain = interquartile_mean(*better.T) - interquartile_mean(*apart.T)
+    assert gain == pytest.approx(0.5)
 
 
 def test_probability_of_improvement() -> None:

@@ -1,0 +1,77 @@
+"""How far plasticity moves weights in the runs of a cell, from its records.
+
+Over a run a weight's path is the sum of its mean changes, an evaluation in each generation: with
+write-back a child begins where its parent ended, so that is how far a line of descent can get.
+"""
+
+import math
+from dataclasses import dataclass
+
+import pandas as pd
+
+from neol.study.campaign.grid import Cell, cells
+from neol.study.outcomes.campaign_runs import Campaign
+
+NEAR_CONTROL = 0.1
+"""Below this path over a run, in standard deviations of initial weights, nothing is learned.
+
+Were all changes of a weight in one direction, it would still end a tenth of a standard deviation
+from where it began, a fifth of what a single mutation of NEAT's moves it by. So whatever such a
+cell comes to, it is a control: NEAT without weight mutation by another name.
+"""
+NEAR_CONTROL_WORDS = (
+    "near control: over a whole run the changes of a weight add up to less than "
+    f"{NEAR_CONTROL:g} standard deviations of the initial weights, so this is no effect of learning"
+)
+MARK = "†"
+"""Behind the numbers of such a cell."""
+
+
+@dataclass(frozen=True, slots=True)
+class Movement:
+    """Means over the runs of a cell; NaN without runs."""
+
+    per_evaluation: float
+    """|change| of a weight in an evaluation, on average over a population and the generations."""
+    over_run: float
+    """Length of a weight's path over the run, in standard deviations of initial weights."""
+
+    @property
+    def is_near_control(self) -> bool:
+        return self.over_run < NEAR_CONTROL
+
+
+def movement(campaign: Campaign, cell: Cell) -> Movement:
+    """How far weights move in the runs of a cell."""
+    configuration = campaign.configuration
+    by_run = campaign.runs(cell).rows.groupby("seed")["weight_change_mean"]
+    per_evaluation = float(by_run.mean().mean())
+    # Without write-back an evaluation's changes are gone when it ends.
+    path = float(by_run.sum().mean()) if configuration.plasticity.write_back else per_evaluation
+    initial_sd = configuration.neat.weight_init_sd
+    return Movement(per_evaluation, path / initial_sd if initial_sd else math.nan)
+
+
+def near_control(campaign: Campaign) -> frozenset[Cell]:
+    """The cells of a budget whose rule moves next to nothing."""
+    return frozenset(
+        cell for cell in _learning(campaign) if movement(campaign, cell).is_near_control
+    )
+
+
+def movements(campaign: Campaign) -> pd.DataFrame:
+    """A row for each cell that has a rule: how far its weights move, and whether that is little."""
+    rows = []
+    for cell in _learning(campaign):
+        moved, seeds = movement(campaign, cell), len(campaign.runs(cell).held_out)
+        place = cell.task, cell.method, cell.population, cell.learning_rate
+        rows.append((*place, seeds, moved.per_evaluation, moved.over_run, moved.is_near_control))
+    columns = ["task", "method", "population", "learning_rate", "seeds"]
+    columns += ["movement_per_evaluation", "movement_over_run", "near_control"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _learning(campaign: Campaign) -> list[Cell]:
+    """The cells of a budget whose method has a rule."""
+    methods = campaign.configuration.methods
+    return [cell for cell in cells(campaign.configuration) if methods[cell.method].learns]
