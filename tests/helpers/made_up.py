@@ -127,7 +127,7 @@ def generation(number: int, best_fitness: float, population: int) -> Generation:
         connections_mean=1.0,
         nodes_best=1,
         connections_best=1,
-        weight_change_mean=0.0,
+        weight_change_mean=1.0,
         failed_evaluations=0,
     )
 

@@ -1,21 +1,24 @@
 """Pictures of the tables of `effects` and `sensitivity`: what the paper does not show."""
 
+import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator
-from matplotlib.transforms import blended_transform_factory
 
 from neol.pictures.labels import method_label, task_label
 from neol.pictures.style import GREY, WIDTH, Style, drawing, footer, styles
 from neol.spec.constants import Budget
 from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE
+from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.effects import COMPARISONS, thresholds
+from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
 from neol.study.outcomes.outcomes import EQUAL
 
 GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
@@ -24,53 +27,87 @@ NO_LINE = (
     "A mark without a line: all runs tie, or all of one side are higher, and so are all resamples; "
     "that does not make it certain."
 )
-METRIC_LABELS = {
-    "score": "SCORE",
-    "equal_evaluations": "Best return so far,\nequal evaluations",
-    "equal_steps": "Best return so far,\nequal steps",
+EFFICIENCY_ROWS = {
+    ("score", "population"): "SCORE",
+    ("score_per_genome", "population"): "SCORE / P",
+    ("equal_evaluations", "population"): "Best return so far,\nevaluations equal\nwithin a size",
+    ("equal_steps", "population"): "Best return so far,\nsteps equal\nwithin a size",
+    ("equal_evaluations", "populations"): "Best return so far,\nevaluations equal\nin all sizes",
+    ("equal_steps", "populations"): "Best return so far,\nsteps equal\nin all sizes",
 }
+"""Metric and range, as `outcomes.effects.efficiency` has them."""
 
 
 def draw_effect_sizes(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """A12 of each method with its interval; a cross is the paper's, from its p-value."""
+    """The difference of means of each method with its interval; a cross is the paper's.
+
+    A row of panels for each comparison, a column for each task. Hollow marks are near control.
+    """
     looks = styles(shown_methods(budget))
-    places: dict[tuple[str, str, str], float] = {}
-    tops = []
-    for comparison in COMPARISONS:
-        tops.append(min(places.values(), default=0.8) - 1.8)
-        places |= {
-            (comparison.outcome, comparison.against, method): tops[-1] - position
-            for position, method in enumerate(comparison.methods(budget))
-        }
-    bottom = min(places.values())
+    heights = [len(family.methods(budget)) + 1.6 for family in COMPARISONS]
     with drawing():
-        columns = [*budget.tasks, "all"]
-        figure = Figure(figsize=(WIDTH, 1.1 - 0.13 * bottom))
-        axes = figure.subplots(1, len(columns), sharey=True, sharex=True)
-        for axis, task in zip(axes, columns, strict=True):
-            _from_0_to_1(axis, "All tasks" if task == "all" else task_label(task))
-            for row in table[table["task"] == task].to_dict("records"):
-                place = places[row["outcome"], row["against"], row["method"]]
-                _interval(axis, place, row, "a12", looks[row["method"]])
-                axis.plot(row["paper_a12"], place, "x", color="black", markersize=4)
-        axes[0].set_yticks(list(places.values()), [method_label(each) for *_, each in places])
-        from_the_left = blended_transform_factory(figure.transFigure, axes[0].transData)
-        for comparison, top in zip(COMPARISONS, tops, strict=True):
-            text = f"{comparison.outcome} vs {method_label(comparison.against)}"
-            text = f"{text[0].upper()}{text[1:]}"
-            label = axes[0].text(
-                0.008, top + 0.62, text, size=7, color=GREY, bbox=GROUND, transform=from_the_left
-            )
-            label.set_in_layout(False)
-        axes[0].set_ylim(bottom - 0.5, tops[0] + 1.2)
-        _below(axes, "Probability that a run of the method ends higher (A12)")
-        explanation = (
-            "Lines: 95% intervals (stratified bootstrap); crosses: the paper's, from its p-values."
+        figure = Figure(figsize=(WIDTH, 1.3 + 0.155 * sum(heights)))
+        panels = figure.subplots(
+            len(COMPARISONS), len(budget.tasks), squeeze=False, height_ratios=heights
         )
-        if (table["low"] == table["high"]).any():
-            explanation += f" {NO_LINE}"
-        footer(figure, f"{note} {explanation}")
+        for row, family in zip(panels, COMPARISONS, strict=True):
+            methods = family.methods(budget)
+            for axis, task in zip(row, budget.tasks, strict=True):
+                here = table[
+                    (table["outcome"] == family.outcome)
+                    & (table["against"] == family.against)
+                    & (table["task"] == task)
+                ]
+                _differences(axis, here, methods, looks)
+            row[0].set_yticks(range(len(methods)), [method_label(each) for each in methods])
+            title = f"{family.outcome}, minus {method_label(family.against)}'s"
+            row[0].set_title(f"{title[0].upper()}{title[1:]}", loc="left", size=7.5, color=GREY)
+        for axis, task in zip(panels[0], budget.tasks, strict=True):
+            axis.annotate(
+                task_label(task), (0.5, 1), (0, 18), xycoords="axes fraction", size=8.5,
+                textcoords="offset points", ha="center", va="bottom",
+            )  # fmt: skip
+        lines = [
+            f"{note} Lines: Welch's 95% intervals of the difference of means; grey crosses: the "
+            f"difference of the means that the paper prints, at an arrow where it lies outside. "
+            f"Numbers: A12. {WHY_THEY_DIFFER}"
+        ]
+        if table["near_control"].eq(True).any():
+            lines.append(f"Hollow: {NEAR_CONTROL_WORDS}.")
+        footer(figure, "\n".join(lines))
     return figure
+
+
+def _differences(
+    axis: Axes, table: pd.DataFrame, methods: Sequence[str], looks: Mapping[str, Style]
+) -> None:
+    """Differences of means with their intervals, one below the other, and A12 beside them."""
+    axis.axvline(0, color=GREY, linewidth=0.7)
+    limits = np.nan_to_num(table[["low", "high", "difference"]].to_numpy(dtype=float).ravel())
+    reach = 1.12 * float(np.abs(limits).max(initial=0.0)) or 1.0
+    for row in table.to_dict("records"):
+        place, look = methods.index(row["method"]), looks[row["method"]]
+        fill = "white" if row["near_control"] is True else look.colour
+        axis.hlines(place, row["low"], row["high"], color=look.colour, linewidth=1.3)
+        axis.plot(row["difference"], place, look.marker, color=look.colour,
+                  markerfacecolor=fill, markersize=4)  # fmt: skip
+        paper = row["paper_difference"]
+        if abs(paper) <= reach:
+            axis.plot(paper, place, "x", color=GREY, markersize=4)
+        elif not math.isnan(paper):
+            edge = math.copysign(reach, paper)
+            axis.plot(edge, place, ">" if paper > 0 else "<", color=GREY, markersize=3.5,
+                      clip_on=False)  # fmt: skip
+        if not math.isnan(row["a12"]):
+            axis.text(1.07, place, f"{row['a12']:.2f}", size=5.5, va="center", color=GREY,
+                      transform=axis.get_yaxis_transform())  # fmt: skip
+    axis.set_xlabel("method higher →", size=5.5, loc="right", labelpad=0, color=GREY)
+    axis.set_xlim(-reach, reach)
+    axis.set_ylim(len(methods) - 0.4, -0.6)
+    axis.set_yticks([])
+    axis.xaxis.set_major_locator(MaxNLocator(3, symmetric=True))
+    axis.tick_params(axis="both", labelsize=6)
+    axis.tick_params(axis="y", length=0, labelsize=7)
 
 
 def draw_profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
@@ -104,7 +141,7 @@ def draw_profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
 
 
 def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """Interquartile means of each task and of all."""
+    """Interquartile means of each task, and their mean where there are several."""
     looks, methods = _looks(table, budget), list(_looks(table, budget))
     tasks = list(dict.fromkeys(table["task"]))
     with drawing():
@@ -122,6 +159,8 @@ def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
         )
         _legend(figure, looks)
         explanation = "Lines: 95% intervals (stratified bootstrap), some within their mark."
+        if "all" in tasks:
+            explanation += " All tasks: the mean of the tasks' own interquartile means."
         footer(figure, f"{note} {explanation}{_no_threshold(budget)}")
     return figure
 
@@ -130,19 +169,23 @@ def draw_efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """SCORE beside the best-so-far fitness at equal cost, over the population size."""
     looks = _looks(table, budget)
     with drawing():
-        figure = Figure(figsize=(WIDTH, 5.2))
-        axes = figure.subplots(len(METRIC_LABELS), len(budget.tasks), sharex=True, squeeze=False)
-        for row, (metric, label) in zip(axes, METRIC_LABELS.items(), strict=True):
+        figure = Figure(figsize=(WIDTH, 8.6))
+        axes = figure.subplots(len(EFFICIENCY_ROWS), len(budget.tasks), sharex=True, squeeze=False)
+        for row, ((metric, compared), label) in zip(axes, EFFICIENCY_ROWS.items(), strict=True):
+            there = table[(table["metric"] == metric) & (table["compared"] == compared)]
             for axis, task in zip(row, budget.tasks, strict=True):
-                here = table[(table["metric"] == metric) & (table["task"] == task)]
-                _by_population(axis, here, looks)
-            row[0].set_ylabel(label)
+                _by_population(axis, there[there["task"] == task], looks)
+            row[0].set_ylabel(label, size=7)
         for column, task in enumerate(budget.tasks):
             axes[0, column].set_title(task_label(task))
             axes[-1, column].set_xlabel("Population size")
         figure.align_ylabels(axes[:, 0])
         _legend(figure, looks)
-        explanation = "Means over learning rates, then seeds, with 95% intervals. Equal cost: "
+        explanation = (
+            "Means over learning rates, then seeds, with 95% intervals. Equal within a size: over "
+            "the range that all runs of a population size have, so compare methods, not sizes; "
+            "equal in all sizes: "
+        )
         footer(figure, f"{note} {explanation}{'; '.join(_ranges(table, budget))}.")
     return figure
 
@@ -233,11 +276,15 @@ def _by_population(axis: Axes, table: pd.DataFrame, looks: Mapping[str, Style]) 
 
 
 def _ranges(table: pd.DataFrame, budget: Budget) -> Iterable[str]:
-    """Between which evaluations and steps the means at equal cost are taken, by task."""
+    """Between which evaluations and steps all population sizes are compared, by task."""
     for task in budget.tasks:
         ranges = []
         for metric, column in EQUAL.items():
-            here = table[(table["task"] == task) & (table["metric"] == metric)]
+            here = table[
+                (table["task"] == task)
+                & (table["metric"] == metric)
+                & (table["compared"] == "populations")
+            ]
             first, last = here["first"].min(), here["last"].min()
             if first < last:
                 name = column.replace("env_steps", "steps")

@@ -107,3 +107,26 @@ def sd_ratio(sample: Moments, against: Moments, confidence: float = 1 - ALPHA) -
     quantiles = stats.f.ppf(tails, sample.seeds - 1, against.seeds - 1)
     low, high = ratio / np.sqrt(quantiles)
     return Estimate(ratio, float(low), float(high))
+
+
+def compare(sample: Mapping[int, float], against: Mapping[int, float]) -> dict[str, float]:
+    """The primary comparison of two groups of runs, given by seed, as columns of a table.
+
+    `difference` with Welch's interval, `low` and `high`, and two-sided `p`; the mean difference of
+    the pairs that share a seed, `paired`, with its interval, and their `correlation`.
+    """
+    moments = [Moments.of(list(side.values())) for side in (sample, against)]
+    between, within = difference(*moments), paired(sample, against)
+    low, high = between.interval()
+    paired_low, paired_high = within.interval()
+    return {
+        "seeds": min(each.seeds for each in moments),
+        "difference": between.value,
+        "low": low,
+        "high": high,
+        "p": between.p(),
+        "paired": within.value,
+        "paired_low": paired_low,
+        "paired_high": paired_high,
+        "correlation": correlation(sample, against),
+    }

@@ -7,7 +7,7 @@ that share a seed and the difference by pairs, which is narrower where they are 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ from neol.spec.constants import Budget
 from neol.study.campaign.grid import Cell
 from neol.study.campaign.methods import challengers, shown_methods
 from neol.study.outcomes import paper_numbers
-from neol.study.outcomes.contrasts import Moments, correlation, difference, paired
+from neol.study.outcomes.contrasts import Moments, compare, difference
 from neol.study.outcomes.outcomes import EQUAL, Metric, Outcomes, Setting
 from neol.study.outcomes.statistics import (
     ALPHA,
@@ -111,7 +111,7 @@ def effect_sizes(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFr
                 sides = [_chosen(outcomes, family.setting, task, each) for each in both]
                 runs = [_by_seed(outcomes, cell, family.metric) for cell in sides]
                 pair = [np.array(list(side.values())) for side in runs]
-                primary = _primary(runs)
+                primary = compare(*runs)
                 paper_a12 = (
                     paper_numbers.paper_a12(family.paper_p_values, task, method)
                     if family.paper_p_values and declared
@@ -223,25 +223,6 @@ def selection_bias(outcomes: Outcomes) -> pd.DataFrame:
     both = runs.dropna(subset="value").groupby([*keys, "seed"])[["final_best", "held_out"]].mean()
     means = both.groupby(keys).mean().reset_index()
     return _mean_by(runs, keys).merge(means, how="left")
-
-
-def _primary(runs: Sequence[Mapping[int, float]]) -> dict[str, float]:
-    """The difference of the means of two groups of runs, by seed, and that of their pairs."""
-    moments = [Moments.of(list(side.values())) for side in runs]
-    between, within = difference(*moments), paired(*runs)
-    low, high = between.interval()
-    paired_low, paired_high = within.interval()
-    return {
-        "seeds": min(each.seeds for each in moments),
-        "difference": between.value,
-        "low": low,
-        "high": high,
-        "p": between.p(),
-        "paired": within.value,
-        "paired_low": paired_low,
-        "paired_high": paired_high,
-        "correlation": correlation(*runs),
-    }
 
 
 def _papers(family: Family, task: str, method: str) -> dict[str, float]:

@@ -23,8 +23,8 @@ NEAR_CONTROL_WORDS = (
     "near control: over a whole run the changes of a weight add up to less than "
     f"{NEAR_CONTROL:g} standard deviations of the initial weights, so this is no effect of learning"
 )
-MARK = "†"
-"""Behind the numbers of such a cell."""
+NEAR_CONTROL_MARK = "†"
+"""Behind what is said of such a cell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +35,6 @@ class Movement:
     """|change| of a weight in an evaluation, on average over a population and the generations."""
     over_run: float
     """Length of a weight's path over the run, in standard deviations of initial weights."""
-
-    @property
-    def is_near_control(self) -> bool:
-        return self.over_run < NEAR_CONTROL
 
 
 def movement(campaign: Campaign, cell: Cell) -> Movement:
@@ -52,26 +48,22 @@ def movement(campaign: Campaign, cell: Cell) -> Movement:
     return Movement(per_evaluation, path / initial_sd if initial_sd else math.nan)
 
 
-def near_control(campaign: Campaign) -> frozenset[Cell]:
-    """The cells of a budget whose rule moves next to nothing."""
-    return frozenset(
-        cell for cell in _learning(campaign) if movement(campaign, cell).is_near_control
-    )
+def is_near_control(campaign: Campaign, cell: Cell) -> bool:
+    """Whether a cell has a rule, and runs in which it moves next to nothing."""
+    learns = campaign.configuration.methods[cell.method].learns
+    return learns and movement(campaign, cell).over_run < NEAR_CONTROL
 
 
 def movements(campaign: Campaign) -> pd.DataFrame:
     """A row for each cell that has a rule: how far its weights move, and whether that is little."""
     rows = []
-    for cell in _learning(campaign):
+    for cell in cells(campaign.configuration):
+        if not campaign.configuration.methods[cell.method].learns:
+            continue
         moved, seeds = movement(campaign, cell), len(campaign.runs(cell).held_out)
         place = cell.task, cell.method, cell.population, cell.learning_rate
-        rows.append((*place, seeds, moved.per_evaluation, moved.over_run, moved.is_near_control))
+        moves = moved.per_evaluation, moved.over_run, is_near_control(campaign, cell)
+        rows.append((*place, seeds, *moves))
     columns = ["task", "method", "population", "learning_rate", "seeds"]
     columns += ["movement_per_evaluation", "movement_over_run", "near_control"]
     return pd.DataFrame(rows, columns=columns)
-
-
-def _learning(campaign: Campaign) -> list[Cell]:
-    """The cells of a budget whose method has a rule."""
-    methods = campaign.configuration.methods
-    return [cell for cell in cells(campaign.configuration) if methods[cell.method].learns]

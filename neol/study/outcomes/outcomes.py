@@ -12,7 +12,7 @@ from neol.spec.constants import Budget
 from neol.study.campaign.grid import Cell, cells
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates, choose
-from neol.study.outcomes.movement import near_control
+from neol.study.outcomes.movement import is_near_control
 from neol.study.outcomes.score import mean_best_so_far
 from neol.study.outcomes.statistics import Floats
 
@@ -139,7 +139,7 @@ def gather(campaign: Campaign) -> Outcomes:
         {setting: candidates(configuration, setting) for setting in SETTINGS},
         configuration.budget,
         {cell: campaign.runs(cell).rows for cell in grid},
-        near_control(campaign),
+        frozenset(cell for cell in grid if is_near_control(campaign, cell)),
     )
 
 

@@ -14,6 +14,7 @@ _SPECIAL = {
     "}": "\\}",
     "~": "\\textasciitilde{}",
     "^": "\\textasciicircum{}",
+    "†": "\\textdagger{}",
     "±": "$\\pm$",
     "≈": "$\\approx$",
     "≤": "$\\leq$",

@@ -17,6 +17,8 @@ from neol.study.campaign.shown import snakemake_options
 from neol.study.claims import open_claims
 from neol.study.claims.claims import load_claims
 from neol.study.outcomes.campaign_runs import Campaign, costs
+from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
+from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
 from neol.study.output.captions import describe_budget, describe_trials, lacking
 from neol.study.report import words
 from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
@@ -46,6 +48,8 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         against_neat=words.effects_table(effects, "neat"),
         against_ablation=words.effects_table(effects, "neat_wo"),
         after_correction=words.after_correction(effects),
+        why_they_differ=WHY_THEY_DIFFER,
+        near_control=NEAR_CONTROL_WORDS,
         flattered=words.flattered(verified_frame(figures / "beyond_selection.csv")),
         table=table._repr_html_(),
         judged=_judged(ledger),

@@ -1,7 +1,7 @@
 """What the results say in words, for the page docs/results.md and for the paper.
 
 Every sentence is made of cells of a budget's tables and says no more than the interval beside it: a
-comparison whose interval holds "no difference" was not told apart.
+comparison whose interval holds "no difference" is not distinguishable.
 """
 
 from collections import Counter
@@ -17,6 +17,7 @@ from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE, variants
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.effects import OUTCOMES
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
 
 
@@ -39,44 +40,60 @@ def verdicts(ledger: pd.DataFrame) -> list[str]:
 
 
 def summary(effects: pd.DataFrame) -> list[str]:
-    """Which methods are told apart from NEAT, and from NEAT (w/o), by which outcome."""
+    """Which methods are distinguishable from NEAT, and from NEAT (w/o), by which outcome.
 
-    def told(against: str) -> str:
+    A rule that moves next to nothing is named apart: it is a control.
+    """
+    learned = effects[~effects["near_control"].eq(True)]
+
+    def told(some: pd.DataFrame, against: str) -> str:
         return "; ".join(
-            f"in {outcome}, {_apart(effects, outcome, against) or 'none'}" for outcome in OUTCOMES
+            f"in {outcome}, {_apart(some, outcome, against) or 'none'}" for outcome in OUTCOMES
         )
 
-    return [
-        "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
-        f"{told('neat')}.",
-        f"From NEAT (w/o), which neither learns nor mutates weights: {told('neat_wo')}.",
-        "What a rule shares with NEAT (w/o) is no effect of learning.",
+    sentences = [
+        "Distinguishable from NEAT (the 95% interval of the difference of means excludes 0): "
+        f"{told(learned, 'neat')}.",
+        "Distinguishable from NEAT (w/o), which neither learns nor mutates weights: "
+        f"{told(learned, 'neat_wo')}.",
+        "An advantage that NEAT without weight mutation shares cannot come from learning.",
     ]
+    little = effects[effects["near_control"].eq(True)]
+    if any(_apart(little, outcome, "neat") for outcome in OUTCOMES):
+        sentences.append(
+            f"No success of a rule, because it is {NEAR_CONTROL_WORDS}: {told(little, 'neat')} "
+            "(against NEAT)."
+        )
+    return sentences
 
 
 def told_apart(effects: pd.DataFrame, outcome: str, against: str) -> list[str]:
-    """For each task, and for all together, which methods end above or below another one: A12."""
+    """For each task which methods end higher or lower than another one, and by how much."""
     sentences = []
-    for task, rows in _comparison(effects, outcome, against).groupby("task", sort=False):
+    compared = _comparison(effects, outcome, against)
+    for task, rows in compared[compared["task"] != "all"].groupby("task", sort=False):
         sides: dict[str, list[str]] = {}
         for row in rows.to_dict("records"):
-            share = f" {_share(row)}" if row["seeds"] else ""
-            sides.setdefault(_side(row), []).append(f"{method_label(row['method'])}{share}")
+            gap = f" {_difference(row)}" if row["seeds"] else ""
+            sides.setdefault(_side(row), []).append(f"{method_label(row['method'])}{gap}")
         other = method_label(against)
         said = "; ".join(f"{', '.join(some)} {side} {other}" for side, some in sides.items())
-        sentences.append(f"{_place(str(task))}: {said}.")
+        sentences.append(f"{task_label(str(task))}: {said}.")
     return sentences
 
 
 def effects_table(effects: pd.DataFrame, against: str) -> list[list[str]]:
-    """A12 against a method: a head, then a row for each outcome and task; bold is told apart."""
-    here = effects[effects["against"] == against]
+    """Differences from a method: a head, then a row for each outcome and task.
+
+    Each with its interval and A12; bold is distinguishable, unless the rule is near control.
+    """
+    here = effects[(effects["against"] == against) & (effects["task"] != "all")]
     methods = list(dict.fromkeys(here["method"]))
     rows = [["outcome", "task", *map(method_label, methods)]]
     for (outcome, task), some in here.groupby(["outcome", "task"], sort=False):
         by_method = {row["method"]: row for row in some.to_dict("records")}
         entries = [_entry(by_method[method]) for method in methods]
-        rows.append([str(outcome), _place(str(task)), *entries])
+        rows.append([str(outcome), task_label(str(task)), *entries])
     return rows
 
 
@@ -85,13 +102,13 @@ def after_correction(effects: pd.DataFrame) -> str:
     tested = effects.dropna(subset="p_holm")
     significant = tested[tested["p_holm"] < ALPHA]
     named = "; ".join(
-        f"{row['outcome']}, {task_label(row['task'])}, {method_label(row['method'])} against "
+        f"{row['outcome']}, {task_label(row['task'])}, {_name(row)} against "
         f"{method_label(row['against'])}"
         for row in significant.to_dict("records")
     )
     return (
-        f"Of {len(tested)} one-sided tests of the declared family, {len(significant)} have p < "
-        f"{ALPHA} after Holm's correction{f': {named}' if named else ''}."
+        f"Of {len(tested)} tests of the declared family (Welch's, two-sided), {len(significant)} "
+        f"have p < {ALPHA} after Holm's correction{f': {named}' if named else ''}."
     )
 
 
@@ -158,12 +175,14 @@ def _comparison(effects: pd.DataFrame, outcome: str, against: str) -> pd.DataFra
 
 
 def _apart(effects: pd.DataFrame, outcome: str, against: str) -> str:
-    """The methods that are told apart in a comparison, by task and side."""
+    """The methods that are distinguishable in a comparison, by task and side."""
     here = _comparison(effects, outcome, against)
     found = []
     for task, rows in here[here["task"] != "all"].groupby("task", sort=False):
-        for side in ("above", "below"):
-            methods = [row["method"] for row in rows.to_dict("records") if _side(row) == side]
+        for side in ("higher", "lower"):
+            methods = [
+                row["method"] for row in rows.to_dict("records") if _side(row).startswith(side)
+            ]
             if methods:
                 found.append(
                     f"{listed(map(method_label, methods))} on {task_label(str(task))} ({side})"
@@ -174,11 +193,9 @@ def _apart(effects: pd.DataFrame, outcome: str, against: str) -> str:
 def _entry(row: Mapping[Any, Any]) -> str:
     if not row["seeds"]:
         return "--"
-    return f"**{_share(row)}**" if _side(row) in ("above", "below") else _share(row)
-
-
-def _place(task: str) -> str:
-    return "All tasks together" if task == "all" else task_label(task)
+    entry = _difference(row)
+    is_bold = _side(row).startswith(("higher", "lower")) and row["near_control"] is not True
+    return f"{f'**{entry}**' if is_bold else entry}; {row['a12']:.2f}"
 
 
 def _range(values: "pd.Series[float]") -> str:
@@ -187,10 +204,26 @@ def _range(values: "pd.Series[float]") -> str:
 
 
 def _side(row: Mapping[Any, Any]) -> str:
-    """What an interval of A12 lets one say."""
+    """What an interval of a difference lets one say."""
     if not row["seeds"]:
         return "cannot be compared with"
-    return "above" if row["low"] > 0.5 else "below" if row["high"] < 0.5 else "not told apart from"
+    if row["low"] > 0:
+        return "higher than"
+    return "lower than" if row["high"] < 0 else "not distinguishable from"
+
+
+def _difference(row: Mapping[Any, Any]) -> str:
+    """A difference of means with its interval, and the mark of a rule that is near control."""
+    value, low, high = (three_figures(row[name]) for name in ("difference", "low", "high"))
+    return f"{value} [{low}, {high}]{_mark(row)}"
+
+
+def _name(row: Mapping[Any, Any]) -> str:
+    return f"{method_label(row['method'])}{_mark(row)}"
+
+
+def _mark(row: Mapping[Any, Any]) -> str:
+    return NEAR_CONTROL_MARK if row["near_control"] is True else ""
 
 
 def _share(row: Mapping[Any, Any]) -> str:

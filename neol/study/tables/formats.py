@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from string import ascii_lowercase
 
 from neol.pictures.labels import task_label, three_figures
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.tables.summary import Summary
 from neol.study.tables.table import Entry, Line
@@ -22,9 +23,10 @@ def marks(reasons: Iterable[str]) -> dict[str, str]:
     }
 
 
-def marked(entry: Entry, mark: str | None) -> Entry:
-    """The entry with a mark behind it, if there is one."""
-    return Entry(f"{entry.text} {mark}", entry.emphasis) if mark else entry
+def marked(entry: Entry, mark: str | None, *, near_control: bool = False) -> Entry:
+    """The entry with marks behind it: of a cell near control, and another one if there is one."""
+    text = f"{entry.text}{NEAR_CONTROL_MARK * near_control}"
+    return Entry(f"{text} {mark}" if mark else text, entry.emphasis)
 
 
 def two_lines(task: str, ours: Sequence[Entry], papers: Sequence[Entry]) -> list[Line]:

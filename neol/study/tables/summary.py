@@ -9,6 +9,7 @@ from neol.study.campaign.grid import Cell, paper_cells
 from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates, choose
+from neol.study.outcomes.movement import is_near_control
 from neol.study.tables.table import Emphasis
 
 
@@ -34,6 +35,8 @@ class OwnSummary(Summary):
     """How many there are."""
     incomplete: str = ""
     """What is missing; such a value is not ranked."""
+    near_control: bool = False
+    """Whether the cell's rule moves next to nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +112,7 @@ def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSum
         chosen=f"Table {table}" if from_paper else "grid",
         seeds=len(values[cell]),
         incomplete=incomplete,
+        near_control=is_near_control(campaign, cell),
     )
 
 

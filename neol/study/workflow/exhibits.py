@@ -104,10 +104,11 @@ EXHIBITS = (
         caption="Claims: every empirical claim of the paper with its verdict, effect and "
         "interval."),
     Exhibit("beyond_effects", BEYOND, "beyond", reads=GRID,
-        caption="Effect sizes: the probability that a run of a method is above one of NEAT, and "
-        "of NEAT (w/o), with intervals, beside the paper's."),
+        caption="Effect sizes: the difference of means between each method and NEAT, and NEAT "
+        "(w/o), with intervals, beside the paper's."),
     Exhibit("beyond_aggregates", BEYOND, "beyond", reads=GRID,
-        caption="Aggregates: interquartile mean over tasks with stratified bootstrap intervals."),
+        caption="Aggregates: interquartile means of the tasks, and of several their mean, with "
+        "stratified bootstrap intervals."),
     Exhibit("beyond_profiles", BEYOND, "beyond", reads=GRID,
         caption="Performance profiles: the share of runs that reach at least a return."),
     Exhibit("beyond_efficiency", BEYOND, "beyond", reads=GRID,

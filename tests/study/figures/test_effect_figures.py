@@ -49,16 +49,17 @@ def test_a_profile_is_drawn_as_the_steps_that_it_is() -> None:
 
 
 def test_the_range_of_equal_cost_is_said() -> None:
-    columns = ["metric", "task", "method", "population", "mean", "low", "high", "first", "last"]
+    columns = ["metric", "compared", "task", "method", "population"]
+    columns += ["mean", "low", "high", "first", "last"]
     rows = [
-        ("equal_evaluations", "hopper", "bcm", 6, 1.0, 0.0, 2.0, 300.0, 25_000.0),
-        ("equal_steps", "hopper", "bcm", 6, math.nan, math.nan, math.nan, 9.0, 8.0),
+        ("equal_evaluations", "populations", "hopper", "bcm", 6, 1.0, 0.0, 2.0, 300.0, 25_000.0),
+        ("equal_steps", "populations", "hopper", "bcm", 6, math.nan, math.nan, math.nan, 9.0, 8.0),
     ]
     table = pd.DataFrame(rows, columns=columns)
     said = footer(effect_figures.draw_efficiency(table, BUDGET, "Made up."))
-    assert "Equal cost: Hopper, 300 to 25,000 evaluations." in said
+    assert "equal in all sizes: Hopper, 300 to 25,000 evaluations." in said
     said = footer(effect_figures.draw_efficiency(table[1:], BUDGET, "Made up."))
-    assert "Equal cost: Hopper, no common range." in said
+    assert "equal in all sizes: Hopper, no common range." in said
 
 
 def test_runs_without_a_held_out_value_are_counted() -> None:

@@ -32,7 +32,7 @@ def test_every_claim_is_in_the_section_of_its_verdict(text: str) -> None:
 
 def test_tables_and_effects_are_there(text: str) -> None:
     assert "<table>" in section(text, "Table 1")
-    assert "| held-out return | Hopper | 0.50 [0.50, 0.50] |" in section(text, "In short")
+    assert "| held-out return | Hopper | 0.00 [0.00, 0.00]; 0.50 |" in section(text, "In short")
 
 
 def test_tables_are_tables(text: str) -> None:

@@ -15,64 +15,72 @@ def effects(**row: Any) -> pd.DataFrame:
     """One comparison with NEAT on Hopper."""
     there = {"outcome": FITNESS, "task": "hopper", "method": "bcm", "seeds": 10}
     there |= {"against": "neat"}
-    return pd.DataFrame([there | {"a12": 0.5, "low": 0.2, "high": 0.8, "p_holm": 1.0} | row])
+    there |= {"difference": 0.0, "low": -3.0, "high": 3.0, "near_control": False}
+    return pd.DataFrame([there | {"a12": 0.5, "p_holm": 1.0} | row])
 
 
 @pytest.mark.parametrize(
-    ("a12", "low", "high", "said"),
+    ("difference", "low", "high", "said"),
     [
-        (0.9, 0.51, 1.0, "above NEAT"),
-        (0.9, 0.5, 1.0, "not told apart from NEAT"),
-        (0.1, 0.0, 0.5, "not told apart from NEAT"),
-        (0.1, 0.0, 0.49, "below NEAT"),
+        (9.0, 0.5, 17.5, "9.00 [0.500, 17.5] higher than NEAT"),
+        (9.0, 0.0, 18.0, "9.00 [0.00, 18.0] not distinguishable from NEAT"),
+        (-9.0, -18.0, 0.0, "-9.00 [-18.0, 0.00] not distinguishable from NEAT"),
+        (-9.0, -17.5, -0.5, "-9.00 [-17.5, -0.500] lower than NEAT"),
     ],
 )
-def test_a_rule_is_above_or_below_only_where_its_interval_is(
-    a12: float, low: float, high: float, said: str
+def test_a_rule_is_higher_or_lower_only_where_its_interval_is(
+    difference: float, low: float, high: float, said: str
 ) -> None:
-    table = effects(a12=a12, low=low, high=high)
-    assert words.told_apart(table, FITNESS, "neat") == [
-        f"Hopper: BCM {a12:.2f} [{low:.2f}, {high:.2f}] {said}."
-    ]
+    table = effects(difference=difference, low=low, high=high)
+    assert words.told_apart(table, FITNESS, "neat") == [f"Hopper: BCM {said}."]
 
 
 def test_rules_are_told_side_by_side() -> None:
     rows = [
-        effects(method="bcm", a12=0.9, low=0.8, high=1.0),
+        effects(method="bcm", difference=9.0, low=8.0, high=10.0),
         effects(method="hebb"),
-        effects(method="oja", a12=0.8, low=0.7, high=1.0),
+        effects(method="oja", difference=8.0, low=7.0, high=9.0, near_control=True),
     ]
     (sentence,) = words.told_apart(pd.concat(rows), FITNESS, "neat")
     assert sentence == (
-        "Hopper: BCM 0.90 [0.80, 1.00], Oja 0.80 [0.70, 1.00] above NEAT; "
-        "Hebb 0.50 [0.20, 0.80] not told apart from NEAT."
+        "Hopper: BCM 9.00 [8.00, 10.0], Oja 8.00 [7.00, 9.00]† higher than NEAT; "
+        "Hebb 0.00 [-3.00, 3.00] not distinguishable from NEAT."
     )
     assert words.effects_table(pd.concat(rows), "neat") == [
         ["outcome", "task", "BCM", "Hebb", "Oja"],
         [
             FITNESS,
             "Hopper",
-            "**0.90 [0.80, 1.00]**",
-            "0.50 [0.20, 0.80]",
-            "**0.80 [0.70, 1.00]**",
+            "**9.00 [8.00, 10.0]**; 0.50",
+            "0.00 [-3.00, 3.00]; 0.50",
+            "8.00 [7.00, 9.00]†; 0.50",
         ],
     ]
 
 
-def test_who_is_told_apart_is_said_of_each_outcome() -> None:
+def test_who_is_distinguishable_is_said_of_each_outcome() -> None:
     table = pd.concat([
         effects(method="bcm", low=0.6), effects(method="neat_wo", low=0.6), effects(method="oja"),
-        effects(method="oja", task="cartpole", high=0.4),
-        effects(method="bcm", task="all", low=0.6),
+        effects(method="oja", task="cartpole", high=-0.4),
+        effects(method="bcm", task="all", low=math.nan),
         effects(outcome="SCORE", against="neat_wo", method="hebb", low=0.6),
     ])  # fmt: skip
     assert words.summary(table)[:2] == [
-        "Told apart from NEAT, by the 95% interval of the probability that a run ends higher, are: "
-        "in final fitness, BCM and NEAT (w/o) on Hopper (above), Oja on CartPole (below); in "
+        "Distinguishable from NEAT (the 95% interval of the difference of means excludes 0): "
+        "in final fitness, BCM and NEAT (w/o) on Hopper (higher), Oja on CartPole (lower); in "
         "SCORE, none; in held-out return, none.",
-        "From NEAT (w/o), which neither learns nor mutates weights: in final fitness, none; in "
-        "SCORE, Hebb on Hopper (above); in held-out return, none.",
+        "Distinguishable from NEAT (w/o), which neither learns nor mutates weights: in final "
+        "fitness, none; in SCORE, Hebb on Hopper (higher); in held-out return, none.",
     ]
+    assert len(words.summary(table)) == 3
+
+
+def test_near_control_is_no_success_of_a_rule() -> None:
+    table = pd.concat([effects(low=0.6, near_control=True), effects(method="hebb", low=0.6)])
+    first, *_, last = words.summary(table)
+    assert "in final fitness, Hebb on Hopper (higher); in SCORE, none" in first
+    assert last.startswith("No success of a rule, because it is near control")
+    assert "in final fitness, BCM on Hopper (higher)" in last
 
 
 def test_what_is_decided_names_its_tasks() -> None:
@@ -105,7 +113,7 @@ def test_the_share_of_generations_with_one_species(campaign: Campaign) -> None:
 
 
 def test_no_run_is_no_comparison() -> None:
-    table = effects(seeds=0, a12=math.nan, low=math.nan, high=math.nan)
+    table = effects(seeds=0, difference=math.nan, low=math.nan, high=math.nan)
     (sentence,) = words.told_apart(table, FITNESS, "neat")
     assert sentence == "Hopper: BCM cannot be compared with NEAT."
 
@@ -113,7 +121,7 @@ def test_no_run_is_no_comparison() -> None:
 def test_tests_are_counted_after_correction() -> None:
     table = pd.concat([effects(p_holm=0.01), effects(p_holm=0.05), effects(p_holm=math.nan)])
     assert words.after_correction(table).startswith(
-        "Of 2 one-sided tests of the declared family, 1"
+        "Of 2 tests of the declared family (Welch's, two-sided), 1 have"
     )
     assert words.after_correction(table).endswith(
         "correction: final fitness, Hopper, BCM against NEAT."
