@@ -19,7 +19,7 @@ import pandas as pd
 from neol.base.errors import UserError
 from neol.base.files import write_atomically
 from neol.rollout import Engine, make_engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.run.evolution import Evolution
 from neol.spec.configuration import ROOT, load_configuration
 from neol.spec.run_spec import RunSpec

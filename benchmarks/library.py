@@ -17,7 +17,7 @@ from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.network.forward import Networks
 from neol.random.seeds import episode_seeds
 from neol.rollout.engine import Engine
-from neol.rollout.reference import network_size
+from neol.rollout.environment import network_size
 from neol.spec.run_spec import RunSpec
 
 Generation = tuple[float, float, int, float, float]
