@@ -1,4 +1,4 @@
-# Everything starts here: `make` prints what there is. Needs Python 3.11 to 3.13, pip, make and a C++ compiler.
+# Entry points of the project; `make` lists them. Needs Python 3.11 to 3.13, pip, make and a C++ compiler.
 
 PYTHON ?= python3
 VENV   := .venv
@@ -8,7 +8,7 @@ RUN    := PATH="$$PWD/$(BIN):$$PATH"
 PYTEST := pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 SHELL  := /bin/bash
 
-# Written last, so that an interrupted set-up is never taken for a complete one.
+# Written last, so that an interrupted setup never counts as complete.
 ENVIRONMENT := $(VENV)/.environment
 READY       := $(VENV)/.ready
 
@@ -17,20 +17,20 @@ READY       := $(VENV)/.ready
 .DELETE_ON_ERROR:
 
 help:
-	@echo 'make figures/table1.tex   a table or figure, from runs to LaTeX (any other file of figures/ alike)'
-	@echo 'make report               everything on one page: figures/report.html'
-	@echo 'make docs                 the documentation as a site: build/site/index.html'
-	@echo 'make lab                  play: opens notebooks/explore.ipynb in JupyterLab'
-	@echo 'make check                style, types and the fast tests, in under a minute'
-	@echo 'make test                 all checks and tests'
-	@echo 'make search               which readings of the paper make its baselines: many hours of runs (docs/readings-plan.md)'
-	@echo 'make multiverse           each question under 32 readings: hours of runs (docs/readings-plan.md)'
-	@echo 'make bench                how fast, beside physics and a peer; ten minutes, writes docs/benchmarks.*'
-	@echo 'make agreement            our NEAT beside neat-python 0.92; a quarter of an hour, writes docs/neat-python.csv'
-	@echo 'make environment          only set up $(VENV)'
-	@echo 'make lock                 add to environment.lock what pyproject.toml needs; UPGRADE=1 renews all of it'
-	@echo 'make clean                remove $(VENV) and all caches; results/ and figures/ stay'
-	@echo 'PYTHON=python3.12 chooses the Python of $(VENV).'
+	@echo 'make figures/table1.tex   make a table or figure from its runs (or any other file of figures/)'
+	@echo 'make report               make one page with all results: figures/report.html'
+	@echo 'make docs                 build the documentation: build/site/index.html'
+	@echo 'make lab                  open notebooks/explore.ipynb in JupyterLab'
+	@echo 'make check                check style and types, run the fast tests; under a minute'
+	@echo 'make test                 run all checks and tests'
+	@echo 'make search               find readings that reproduce the baselines; many hours (docs/readings-plan.md)'
+	@echo 'make multiverse           ask each question under 32 readings; hours (docs/readings-plan.md)'
+	@echo 'make bench                measure speed; ten minutes, writes docs/benchmarks.*'
+	@echo 'make agreement            compare our NEAT with neat-python 0.92; 15 minutes, writes docs/neat-python.csv'
+	@echo 'make environment          set up $(VENV) only'
+	@echo 'make lock                 add new dependencies to environment.lock; UPGRADE=1 updates all of it'
+	@echo 'make clean                remove $(VENV) and all caches; keeps results/ and figures/'
+	@echo 'PYTHON=python3.12 selects the Python of $(VENV).'
 
 figures/%: $(READY) FORCE
 	$(RUN) snakemake $@
@@ -59,7 +59,7 @@ test: lint
 	$(RUN) NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
 	$(RUN) $(PYTEST)
 
-# In the order of config/search/candidates.yaml; what is done is not done again.
+# In the order of config/search/candidates.yaml; finished runs are kept.
 search: $(READY)
 	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.search search | xargs --max-lines=1 snakemake'
 
@@ -67,13 +67,13 @@ search: $(READY)
 multiverse: $(READY)
 	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.multiverse | xargs --max-lines=1 snakemake'
 
-# neat-python (the peer) and EnvPool are no dependencies of the library: they are installed here only.
+# neat-python (the peer) and EnvPool are not dependencies of the library; only this target installs them.
 bench: $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
 	    --requirement benchmarks/requirements.lock
 	$(BIN)/python -m benchmarks.run
 
-# neat-python 0.92 has a folder of its own: the peer is another release of it.
+# neat-python 0.92 has its own folder, because the peer is another release.
 agreement: $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --upgrade \
 	    --target build/neat-python-0.92 --requirement benchmarks/neat_python_092.lock
@@ -83,9 +83,9 @@ environment: $(READY)
 
 $(ENVIRONMENT): environment.lock
 	@$(PYTHON) -c 'import sys, ensurepip, venv; sys.exit(not (3, 11, 4) <= sys.version_info < (3, 14))' 2>/dev/null || { \
-	    echo 'neol needs Python 3.11, 3.12 or 3.13 with venv, and $(PYTHON) is not that: choose one with PYTHON=python3.12' >&2; \
+	    echo 'neol needs Python 3.11, 3.12 or 3.13 with venv, which $(PYTHON) is not; choose one with PYTHON=python3.12' >&2; \
 	    exit 1; }
-	@echo 'Setting up $(VENV) from environment.lock, for some minutes:'
+	@echo 'Setting up $(VENV) from environment.lock (a few minutes):'
 	@$(PYTHON) -m venv --clear $(VENV)
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --no-deps --require-hashes \
 	    --progress-bar off --requirement environment.lock | awk '\

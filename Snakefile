@@ -1,8 +1,8 @@
-"""From a budget's runs to the paper's tables and figures: `snakemake figures/table1.tex`, `snakemake all`.
+"""The workflow from runs to the paper's tables and figures: `snakemake figures/table1.tex`, `snakemake all`.
 
-`snakemake tables --config budget=paper` spends another budget and writes to figures/paper/; with `tasks=cartpole,hopper`
-after that it spends it on these tasks and writes to figures/paper-cartpole,hopper/. A run is made where its record is
-missing or was made of another specification, which the record itself tells, whatever the times of files.
+`snakemake tables --config budget=paper` uses another budget and writes to figures/paper/; `tasks=cartpole,hopper` after
+that selects tasks and writes to figures/paper-cartpole,hopper/. A run is made if its record is missing or states another
+specification; times of files do not matter.
 """
 
 
@@ -61,7 +61,7 @@ rule records:
         GRID_RECORDS,
 
 
-# The profile forces what this rule matches: exactly the records that must be made.
+# The profile forces this rule, which matches exactly the records that must be made.
 rule run:
     output:
         "results/{record}.parquet",
@@ -86,7 +86,7 @@ rule run:
         "python -m neol run {params.arguments} --workers {threads} --resume --keep-partial --quiet --output {output:q} > {log:q} 2>&1"
 
 
-# A record that is there as it should be, named as a target: there is nothing to do.
+# A valid record that is named as a target needs nothing.
 rule kept:
     output:
         "results/{record}.parquet",
@@ -94,7 +94,7 @@ rule kept:
         record=KEPT,
 
 
-# A notebook makes the tables and figures that name it in neol/study/workflow/exhibits.py.
+# Each notebook makes the tables and figures that name it in neol/study/workflow/exhibits.py.
 for notebook, together in by_notebook(exhibits(CONFIGURATION.budget)).items():
 
     rule:

@@ -1,4 +1,4 @@
-"""What all rules share: the budget, its runs, and what each notebook makes."""
+"""Definitions for all rules: the budget, its runs, and the outputs of each notebook."""
 
 import os
 import shlex
@@ -26,8 +26,8 @@ from neol.study.campaign.shown import (
 from neol.study.workflow.exhibits import by_notebook, exhibits, records
 from neol.study.workflow.snakemake import clear_stale_locks, pattern
 
-# The Python of this environment, also where it is not activated: so `conda:` below only documents the software, as
-# `snakemake --lint` asks of each rule. Jupyter finds this environment's kernel before any other of its name, such as a
+# The Python of this environment, also if it is not activated: `conda:` below only documents the software, because
+# `snakemake --lint` requires it. Jupyter finds this environment's kernel before any other of its name, such as a
 # user's own, and a notebook refuses to run another neol than this one.
 BIN, KERNELS, PACKAGE = (
     shlex.quote(str(path))
@@ -61,7 +61,7 @@ READING = CONFIGURATION.reading
 FIGURES, RESULTS_PAGE = (
     str(where(CONFIGURATION)) for where in (figures_folder, results_page)
 )
-# Where executed notebooks and what the workflow says lie.
+# Folder of executed notebooks and of logs.
 PLACE = full_label(CONFIGURATION)
 ALIVE = clear_stale_locks()
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
@@ -69,10 +69,10 @@ GRID_RECORDS = [path for path, job in JOBS.items() if job.part != SENSITIVITY]
 
 
 def tidy():
-    """Remove the .partial folders of the records that are there.
+    """Remove the .partial folders of existing records.
 
-    Not sooner than when all is over: Snakemake removes the record of a job that something kills after its last write.
-    So what a killed workflow left goes at the end of the next one, and no dry run takes it away.
+    This happens at the end only, because Snakemake removes the record of a job that is killed after its last write. So
+    the end of the next workflow removes what a killed one left, and a dry run removes nothing.
     """
     for path in JOBS:
         remove_if_complete(Path(path))
@@ -80,8 +80,8 @@ def tidy():
 
 REASONS = {path: job.reason() for path, job in JOBS.items()}
 NEEDED = pattern(job.record for path, job in JOBS.items() if REASONS[path])
-# Records that are as they should be are nobody's output, so `--delete-all-output` leaves them alone. Only where one is
-# itself a target of the command, Snakemake needs a rule for it.
+# Valid records are not outputs of any rule, so `--delete-all-output` keeps them. Snakemake needs a rule only for those
+# that are targets of the command.
 KEPT = pattern(
     job.record
     for path, job in JOBS.items()
@@ -90,18 +90,18 @@ KEPT = pattern(
 
 
 def job(wildcards):
-    """The job that makes a record."""
+    """Return the job that makes a record."""
     return JOBS[f"results/{wildcards.record}.parquet"]
 
 
 def run_minutes(wildcards):
-    """How long a cluster shall let a job run."""
+    """Return the walltime to request for a job, in minutes."""
     this = job(wildcards)
     return walltime_minutes(this.spec, len(this.seeds))
 
 
 def papermill_arguments():
-    """The parameters of every notebook, as words of a shell."""
+    """Return the parameters of every notebook, quoted for a shell."""
     parameters = {
         "budget": BUDGET,
         "reading": READING,
@@ -115,12 +115,12 @@ def papermill_arguments():
 
 
 def python(*folders):
-    """The files of code in some folders of neol/."""
+    """Return the Python files in some folders of neol/."""
     return sorted(path for folder in folders for path in glob(f"neol/{folder}/*.py"))
 
 
-# What results stand on: which runs there are, how a record is read, what each run came to. Not what makes a run: where
-# a change there matters, records change. Figures also stand on what draws, so a change of drawing makes no table anew.
+# Code that results depend on: the grid of runs, reading of records, outcomes of runs. Code that makes runs is left out,
+# because a change there that matters changes records. Only figures depend on code that draws.
 RESULT_CODE = python("spec", "study/campaign", "study/outcomes") + [
     "neol/run/record.py",
     "neol/run/record_file.py",
@@ -131,12 +131,12 @@ FIGURE_CODE = sorted({*TABLE_CODE, *python("pictures", "study/figures")})
 
 
 def files(exhibit):
-    """The files of a table or figure."""
+    """Return the files of a table or figure."""
     return [f"{FIGURES}/{exhibit.name}.{suffix}" for suffix in exhibit.group.suffixes]
 
 
 def made(*targets):
-    """The files of some targets, or of all tables and figures."""
+    """Return the files of some targets, or of all tables and figures."""
     return [
         path
         for each in exhibits(CONFIGURATION.budget, *targets)
@@ -145,7 +145,7 @@ def made(*targets):
 
 
 def inputs(together):
-    """What tables and figures of one notebook depend on, beside the notebook."""
+    """Return the inputs of one notebook's tables and figures, without the notebook."""
     drawn = any("png" in each.group.suffixes for each in together)
     also = [path for each in together for path in glob(each.files or "")]
     read = {path for each in together for path in records(CONFIGURATION, each.reads)}
@@ -158,7 +158,7 @@ def inputs(together):
 
 
 def captioned(path, exhibit):
-    """A picture or a table's numbers as `snakemake --report` shows them; another file as it is."""
+    """Return pictures and tables of numbers marked for `snakemake --report`, other files unchanged."""
     if not path.endswith((".png", ".csv")):
         return path
     labels = {"caption": exhibit.caption}

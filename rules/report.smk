@@ -1,7 +1,7 @@
-"""What is told of the results.
+"""Reports on the results.
 
-The page figures/report.html; the paper paper/reproduction.pdf, which needs LaTeX; and docs/results.md, which the
-repository has too, with another page for CartPole at the paper's budget.
+These are the page figures/report.html, the paper paper/reproduction.pdf (needs LaTeX), and docs/results.md, which is
+committed together with a page for CartPole at the paper's budget.
 """
 
 REPORT = f"{FIGURES}/report.html"
@@ -10,7 +10,7 @@ CHAMPIONS = f"build/{PLACE}/champions.json"
 PICTURES = [path for path in made() if path.endswith(".pdf")]
 NUMBERS = [path for path in made() if path.endswith((".tex", ".csv"))]
 
-# What words, captions and predictions of cost stand on.
+# Inputs of sentences, captions and predictions of cost.
 WORDS = sorted(glob("neol/study/report/*.*")) + [
     "neol/study/workflow/exhibits.py",
     "neol/study/campaign/cost.py",
@@ -102,7 +102,7 @@ rule results_page:
         "python -m neol.study.report.results {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {params.figures:q} {output.page:q} > {log:q} 2>&1"
 
 
-# Of the records that are there; `make search` makes those of docs/readings-plan.md.
+# It uses the existing records; `make search` makes those of docs/readings-plan.md.
 rule readings_page:
     input:
         records=[
