@@ -18,13 +18,13 @@ from neol.cli.application import (
     examples,
     one_reading,
 )
-from neol.network.rules import RULES, WITHOUT_RULE
+from neol.network.rules import MUTATED, RULES, WITHOUT_RULE
 
 if TYPE_CHECKING:
     from neol.run.record import Record
 
 MAX_SEEDS = 10_000
-METHOD_NAMES = (*WITHOUT_RULE, *RULES)
+METHOD_NAMES = (*WITHOUT_RULE, *RULES, *MUTATED)
 
 
 def _methods(incomplete: str) -> list[str]:

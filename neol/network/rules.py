@@ -19,7 +19,10 @@ Change = Callable[[float, float, float, float], float]
 
 NO_RULE = "none"
 WITHOUT_RULE = ("neat", "neat_wo")
-"""Methods without online learning. Every other method has the name of its rule."""
+"""Methods without online learning. Every other one but `MUTATED` has the name of its rule."""
+MUTATED = ("bcm_mutated", "hebb_mutated", "oja_mutated")
+"""The paper's rules with weight mutation, which the paper does not run: they complete the
+two-by-two of rule and weight mutation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +52,7 @@ def rule(change: Change) -> Change:
     if not re.fullmatch("[a-z][a-z0-9_]*", name):
         raise UserError(f"rule {name}: its name must be lower case, like decaying_hebb")
     elsewhere = name in RULES and RULES[name].change.__module__ != change.__module__
-    if elsewhere or name in (NO_RULE, *WITHOUT_RULE):
+    if elsewhere or name in (NO_RULE, *WITHOUT_RULE, *MUTATED):
         raise UserError(f"rule {name}: the name is taken, choose another")
     RULES[name] = Rule(name, (inspect.getdoc(change) or "").partition("\n")[0], change)
     return change

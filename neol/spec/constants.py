@@ -206,6 +206,8 @@ class Budget(Model):
     methods: Several[MethodName]
     seeds_per_job: ForEachTask
     """Runs of a cell in one job of the workflow: one number, or one for each task."""
+    configurations: Literal["grid", "table4"] = "grid"
+    """Which cells of the grid: all, or of each rule the one of the paper's Table 4."""
 
     @property
     def seed_range(self) -> range:

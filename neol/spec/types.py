@@ -17,7 +17,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from neol.network.rules import NO_RULE, RULES, WITHOUT_RULE
+from neol.network.rules import MUTATED, NO_RULE, RULES, WITHOUT_RULE
 
 
 class Model(BaseModel):
@@ -84,7 +84,7 @@ class _OneOf:
 
 
 RuleName = Annotated[str, _OneOf(lambda: [NO_RULE, *RULES])]
-MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES])]
+MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES, *MUTATED])]
 
 
 def _in_words(sentence: LiteralString) -> WrapValidator:

@@ -42,7 +42,9 @@ def test_the_seeds_of_a_budget_begin_at_0_or_where_they_are_said_to() -> None:
 def test_an_unknown_budget(budget):
     text = refusal(load_configuration, budget)
     assert text.startswith(f'unknown budget "{budget}"')
-    assert text.endswith("(allowed: confirmation, demo, desk, multiverse, paper, search, smoke)")
+    assert text.endswith(
+        "(allowed: confirmation, demo, desk, multiverse, paper, search, smoke, two_by_two)"
+    )
 
 
 @pytest.mark.parametrize(

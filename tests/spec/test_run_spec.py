@@ -122,7 +122,7 @@ def test_any_gymnasium_environment_is_a_task():
         ({"task": "gym:"}, 'task "gym:": Malformed environment ID'),
         (
             {"method": "heb"},
-            'unknown method "heb", did you mean "hebb"? (allowed: neat, neat_wo, hebb, oja, bcm)',
+            'unknown method "heb", did you mean "hebb"? (allowed: neat, neat_wo, hebb, oja, bcm, ',
         ),
         ({"population": 0}, "population = 0: must be greater than or equal to 2"),
         ({"population": 1}, "population = 1: must be greater than or equal to 2"),

@@ -2,13 +2,14 @@
 
 import csv
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 
 from neol.run.record import campaign_name
 from neol.spec.configuration import ROOT, Configuration
 from neol.spec.run_spec import RunSpec
+from neol.study.campaign.methods import without_mutation
 
 RESULTS = Path("results")
 REFERENCE = ROOT / "paper" / "reference"
@@ -59,7 +60,7 @@ def home(configuration: Configuration) -> Path:
 def cells(configuration: Configuration) -> list[Cell]:
     """Return the budget's grid in the order of its file: tasks, methods, populations, rates."""
     budget = configuration.budget
-    return [
+    grid = [
         Cell(task, method, population, learning_rate)
         for task in budget.tasks
         for method in budget.methods
@@ -68,6 +69,10 @@ def cells(configuration: Configuration) -> list[Cell]:
             budget.learning_rates if configuration.methods[method].learns else [None]
         )
     ]
+    if budget.configurations == "grid":
+        return grid
+    named = _configurations(4)
+    return [cell for cell in grid if replace(cell, method=without_mutation(cell.method)) in named]
 
 
 def blocks(configuration: Configuration) -> list[Block]:
@@ -94,8 +99,13 @@ def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
 def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str], Cell]:
     """Return the budget's cells that are in the paper's Table 3 or 4, by task and method."""
     available = set(cells(configuration))
+    return {(cell.task, cell.method): cell for cell in _configurations(table) if cell in available}
+
+
+def _configurations(table: int) -> list[Cell]:
+    """Those of the paper's Table 3 or 4."""
     with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:
-        listed = [
+        return [
             Cell(
                 row["task"],
                 row["method"],
@@ -105,7 +115,6 @@ def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str
             for row in csv.DictReader(file)
             if int(row["table"]) == table
         ]
-    return {(cell.task, cell.method): cell for cell in listed if cell in available}
 
 
 def _split(configuration: Configuration, cell: Cell) -> Iterator[Block]:

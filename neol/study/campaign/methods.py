@@ -16,3 +16,13 @@ def challengers(budget: Budget) -> tuple[str, ...]:
 def shown_methods(budget: Budget) -> tuple[str, ...]:
     """Return all methods that tables and figures show, in their order."""
     return (*challengers(budget), *WITHOUT_RULE)
+
+
+def mutated(rule: str) -> str:
+    """The method of a rule with weight mutation: the fourth cell of the two-by-two."""
+    return f"{rule}_mutated"
+
+
+def without_mutation(method: str) -> str:
+    """The rule of such a method; any other method itself."""
+    return method.removesuffix("_mutated")
