@@ -35,7 +35,7 @@ def initial_topology(
     evolution = Evolution.begin(fixed, *size)
     for _ in evolution.run(engine):
         pass
-    return decode(evolution.population.pool, *size, spec.network)[0]
+    return decode(evolution.state.population.pool, *size, spec.network)[0]
 
 
 def large(spec: RunSpec, size: tuple[int, int], population: int) -> Networks:

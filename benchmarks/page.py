@@ -169,7 +169,7 @@ def _shares(table: Table) -> str:
 The runs of the table above. NEAT is timed at its calls (decode, write-back, speciate, reproduce,
 seeds); network and plasticity by playing the run's own episodes back in a world that costs nothing,
 without and with learning. The environment (physics, resets, observations, rewards) is what remains
-of the engine's time; *other* is statistics, digest and snapshots.
+of the engine's time; *other* is statistics and digest.
 
 {markdown(header, rows)}
 Of the engine's time with large networks (30 hidden nodes, 300 connections):

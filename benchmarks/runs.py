@@ -90,7 +90,7 @@ def whole_run_measurements(spec: RunSpec, engine: Engine) -> dict[str, Measureme
     """A whole run of ours and of the peer, and what the episodes of ours consist of.
 
     `run_seed` is all that `neol run` does but for writing the record. Its time splits into the
-    calls of the engine, the calls of NEAT and the rest (statistics, digest, snapshots). To split
+    calls of the engine, the calls of NEAT and the rest (statistics, digest). To split
     the engine's part, the episodes of that very run are recorded beforehand and played back without
     a world (network, plasticity).
     """

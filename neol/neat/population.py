@@ -9,7 +9,7 @@ import numpy.typing as npt
 from neol.neat.genome import Genome, Pool
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Population:
     """P genomes with consecutive ids: the genome in the lower place is the older one."""
 

@@ -9,50 +9,57 @@ from neol.neat.breeding import PARENTS, Rates, breed_all
 from neol.neat.genome import MAX_NODE_ID, initial_genome
 from neol.neat.innovations import Innovations
 from neol.neat.population import Population
-from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant
+from neol.neat.species import SpeciesSet, adjusted_fitness
 from neol.neat.values import draw_values
 from neol.random.pcg64 import new_state
 from neol.spec.constants import Neat
 
 
 class Reproduction:
-    """Maker of populations; it alone assigns genome ids and innovation numbers."""
+    """Maker of populations, for networks of one size by one set of constants."""
 
     def __init__(self, inputs: int, outputs: int, neat: Neat) -> None:
         self.inputs = inputs
         self.outputs = outputs
         self.neat = neat
         self.rates = Rates.of(neat)
-        # The genes of generation 0 have the first numbers.
-        self.innovations = Innovations.begin(
-            inputs * outputs, inputs + outputs, by_endpoints=neat.innovation == "endpoints"
+
+    def first_innovations(self) -> Innovations:
+        """Return the numbers that follow those of generation 0's genes."""
+        return Innovations.begin(
+            self.inputs * self.outputs,
+            self.inputs + self.outputs,
+            by_endpoints=self.neat.innovation == "endpoints",
         )
-        self.next_genome = 0
 
     def initial_population(self, size: int, random: np.random.Generator) -> Population:
         """Make generation 0: minimal topologies with random weights (INITIALISEPOPULATION)."""
         weight, bias = np.empty(self.inputs * self.outputs), np.empty(self.outputs)
-        state, first, genomes = new_state(random), self._new_ids(size), []
-        for id in range(first, first + size):
+        state, genomes = new_state(random), []
+        for id in range(size):
             draw_values(weight, self.rates.weight, state)
             draw_values(bias, self.rates.bias, state)
             genome = initial_genome(id, self.inputs, self.outputs, weight, bias)
-            if self.innovations.by_endpoints:
+            if self.neat.innovation == "endpoints":
                 genes = genome.connections
                 genes["innovation"] = genes["target"] * MAX_NODE_ID + genes["source"]
             genomes.append(genome)
         return Population.of(genomes)
 
     def reproduce(
-        self, population: Population, species_set: SpeciesSet, random: np.random.Generator
-    ) -> Population:
+        self,
+        population: Population,
+        species_set: SpeciesSet,
+        innovations: Innovations,
+        random: np.random.Generator,
+    ) -> tuple[Population, Innovations]:
         """Make the next population, of the same size, from a speciated and evaluated one.
 
-        `random` draws the parents and seeds the stream of their children's variation.
+        `random` draws the parents and seeds the stream of their children's variation. The
+        innovation numbers of the children come with them.
         """
         size = len(population)
-        self.innovations = self.innovations.next_generation(size)
-        remove_stagnant(species_set, population.fitness, self.neat)
+        innovations = innovations.next_generation(size)
         adjusted = adjusted_fitness(species_set, population.fitness, self.neat)
         spawns = spawn_counts(adjusted, size, self.neat).tolist()
         state = new_state(random)
@@ -66,10 +73,11 @@ class Reproduction:
             self.inputs,
             self.outputs,
             self.rates,
-            self.innovations,
+            innovations,
             state,
         )
-        return Population(self._new_ids(size), pool, np.full(size, np.nan))
+        children = Population(population.first_id + size, pool, np.full(size, np.nan))
+        return children, innovations
 
     def _parents(
         self,
@@ -99,11 +107,6 @@ class Reproduction:
         parents["fitter"] = np.concatenate([elites, candidates[pairs[:, 0]]])
         parents["other"] = np.concatenate([elites, candidates[pairs[:, 1]]])
         return parents
-
-    def _new_ids(self, count: int) -> int:
-        """Reserve `count` consecutive ids and return the first."""
-        self.next_genome += count
-        return self.next_genome - count
 
 
 def fittest_first(population: Population, places: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

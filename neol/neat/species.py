@@ -1,6 +1,6 @@
 """Species: compatibility distance, speciation, stagnation and fitness sharing (Algorithm 3)."""
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,8 +14,7 @@ Fitness = npt.NDArray[np.float64]
 """Fitness of a population's genomes, float64[P], or of its species, float64[S]."""
 
 
-@dataclass(slots=True)
-class Species:
+class Species(NamedTuple):
     """Genomes that are close to one representative."""
 
     id: int
@@ -25,15 +24,14 @@ class Species:
     """Best fitness of any member so far."""
     stagnant: int = 0
     """Generations since `best_fitness` last rose."""
-    members: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    members: npt.NDArray[np.int64] = np.empty(0, dtype=np.int64)
     """Places of this generation's members in the population, sorted by fitness."""
 
 
-@dataclass(slots=True)
-class SpeciesSet:
+class SpeciesSet(NamedTuple):
     """All species of a run, oldest first, and the id of the next one."""
 
-    species: list[Species] = field(default_factory=list)
+    species: tuple[Species, ...] = ()
     next_id: int = 0
 
 
@@ -73,68 +71,69 @@ def distances(pool: Pool, representative: Genome, neat: Neat) -> npt.NDArray[np.
     return found
 
 
-def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
+def speciate(population: Population, species_set: SpeciesSet, neat: Neat) -> SpeciesSet:
     """Assign each genome to the nearest species within the threshold (Algorithm 3, lines 1-8).
 
     A species keeps its representative, or takes the genome nearest to it as the next one; a genome
     far from all representatives founds a new species. Of equally near species the oldest wins.
     Members are sorted by fitness, then age; empty species are removed.
     """
+    species, next_id = list(species_set.species), species_set.next_id
     if neat.representative == "nearest":
-        _choose_representatives(population, species_set, neat)
+        species = _choose_representatives(population, species, neat)
     nearest = np.full(len(population), np.inf)
     home = np.zeros(len(population), dtype=np.int64)
 
     def offer(index: int, first: int) -> None:
         """Move genomes from `first` on to this species if it is nearer than their own."""
-        representative = species_set.species[index].representative
-        offered = distances(population.pool, representative, neat)
+        offered = distances(population.pool, species[index].representative, neat)
         nearer = offered < nearest
         nearer[:first] = False
         nearest[nearer] = offered[nearer]
         home[nearer] = index
 
-    for index in range(len(species_set.species)):
+    for index in range(len(species)):
         offer(index, first=0)
     for place in range(len(population)):
         if nearest[place] > neat.compatibility_threshold:
-            founder = population[place].copy()
-            species_set.species.append(Species(species_set.next_id, founder))
-            species_set.next_id += 1
-            offer(len(species_set.species) - 1, first=place)
+            species.append(Species(next_id, population[place].copy()))
+            next_id += 1
+            offer(len(species) - 1, first=place)
 
     best_first = np.argsort(-population.fitness, kind="stable")
-    for index, species in enumerate(species_set.species):
-        species.members = best_first[home[best_first] == index]
-    species_set.species = [species for species in species_set.species if len(species.members)]
-    for species in species_set.species:
-        best = float(population.fitness[species.members[0]])
-        species.stagnant = 0 if best > species.best_fitness else species.stagnant + 1
-        species.best_fitness = max(best, species.best_fitness)
+    alive = []
+    for index, each in enumerate(species):
+        members = best_first[home[best_first] == index]
+        if len(members):
+            best = float(population.fitness[members[0]])
+            stagnant = 0 if best > each.best_fitness else each.stagnant + 1
+            best = max(best, each.best_fitness)
+            alive.append(each._replace(best_fitness=best, stagnant=stagnant, members=members))
+    return SpeciesSet(tuple(alive), next_id)
 
 
-def _choose_representatives(population: Population, species_set: SpeciesSet, neat: Neat) -> None:
+def _choose_representatives(
+    population: Population, species: list[Species], neat: Neat
+) -> list[Species]:
     """Give each species, the oldest first, the nearest genome that is still free."""
-    taken = np.zeros(len(population), dtype=np.bool_)
-    for species in species_set.species:
-        away = distances(population.pool, species.representative, neat)
-        place = int(np.argmin(np.where(taken, np.inf, away)))
-        taken[place] = True
-        species.representative = population[place].copy()
+    free, chosen = np.ones(len(population), dtype=np.bool_), []
+    for each in species:
+        away = distances(population.pool, each.representative, neat)
+        place = int(np.argmin(np.where(free, away, np.inf)))
+        free[place] = False
+        chosen.append(each._replace(representative=population[place].copy()))
+    return chosen
 
 
-def remove_stagnant(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> None:
+def remove_stagnant(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> SpeciesSet:
     """Remove species stagnant for more than G_stag generations (Algorithm 3, lines 7-8).
 
     The `species_elitism` best species stay, and always the best one.
     """
     ranked = sorted(species_set.species, key=lambda s: (-fitness[s.members[0]], s.id))
     spared = {species.id for species in ranked[: max(neat.species_elitism, 1)]}
-    species_set.species = [
-        species
-        for species in species_set.species
-        if species.id in spared or species.stagnant <= neat.max_stagnation
-    ]
+    stay = (s for s in species_set.species if s.id in spared or s.stagnant <= neat.max_stagnation)
+    return species_set._replace(species=tuple(stay))
 
 
 def adjusted_fitness(species_set: SpeciesSet, fitness: Fitness, neat: Neat) -> Fitness:

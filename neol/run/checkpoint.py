@@ -7,8 +7,7 @@ counters as JSON, and a digest over all of it.
 import hashlib
 import io
 import json
-from copy import copy
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -21,7 +20,7 @@ from neol.base.files import read_bounded, write_atomically
 from neol.neat.genome import CONNECTION, NODE, Genome, check_genome
 from neol.neat.population import Population
 from neol.neat.species import Species, SpeciesSet
-from neol.run.evolution import Evolution, Generation
+from neol.run.evolution import Evolution, Generation, State
 from neol.spec.run_spec import RunSpec
 
 FORMAT = "neol checkpoint 2"
@@ -49,20 +48,6 @@ class TimeSpent:
     wall_seconds: float = 0.0
     cpu_seconds: float = 0.0
     """Of the process and its threads."""
-
-
-def snapshot(evolution: Evolution) -> Evolution:
-    """The run as it is between two generations; its further steps do not touch the copy.
-
-    The population and the innovations are shared: nobody writes to them any more.
-    """
-    species_set = evolution.species_set
-    return replace(
-        evolution,
-        reproduction=copy(evolution.reproduction),
-        species_set=SpeciesSet([replace(s) for s in species_set.species], species_set.next_id),
-        history=list(evolution.history),
-    )
 
 
 def write_checkpoint(path: Path, evolution: Evolution, spent: TimeSpent) -> None:
@@ -145,28 +130,27 @@ def _seal(arrays: Arrays) -> npt.NDArray[np.uint8]:
 
 
 def _pack(evolution: Evolution, spent: TimeSpent) -> Arrays:
-    reproduction, species = evolution.reproduction, evolution.species_set.species
+    state, species = evolution.state, evolution.state.species_set.species
     meta = {
         "format": FORMAT,
         "trajectory_key": evolution.spec.trajectory_key(),
-        "inputs": reproduction.inputs,
-        "outputs": reproduction.outputs,
-        "next_genome": reproduction.next_genome,
-        "next_innovation": reproduction.innovations.next_innovation,
-        "next_node": reproduction.innovations.next_node,
-        "next_species": evolution.species_set.next_id,
-        "digest": evolution.digest,
+        "inputs": evolution.reproduction.inputs,
+        "outputs": evolution.reproduction.outputs,
+        "next_innovation": state.innovations.next_innovation,
+        "next_node": state.innovations.next_node,
+        "next_species": state.species_set.next_id,
+        "digest": state.digest,
         "wall_seconds": spent.wall_seconds,
         "cpu_seconds": spent.cpu_seconds,
     }
-    genomes = [*evolution.population, *(s.representative for s in species)]
+    genomes = [*state.population, *(s.representative for s in species)]
     contents: dict[str, npt.ArrayLike] = {
         "genomes": [(g.id, g.fitness, len(g.nodes), len(g.connections)) for g in genomes],
         "nodes": np.concatenate([g.nodes for g in genomes]),
         "connections": np.concatenate([g.connections for g in genomes]),
         "species": [(s.id, s.best_fitness, s.stagnant, len(s.members)) for s in species],
         "members": np.concatenate([s.members for s in species]),
-        "history": [astuple(generation) for generation in evolution.history],
+        "history": [astuple(generation) for generation in state.history],
     }
     arrays = {name: np.array(contents[name], dtype) for name, dtype in LAYOUT.items()}
     return {"meta": np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays}
@@ -180,12 +164,6 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     for name, dtype in LAYOUT.items():
         if arrays[name].dtype != dtype or arrays[name].ndim != 1:
             raise ValueError(f"its {name} are of another type")
-    evolution = Evolution.begin(spec, meta["inputs"], meta["outputs"])
-    reproduction = evolution.reproduction
-    reproduction.next_genome = meta["next_genome"]
-    reproduction.innovations = reproduction.innovations._replace(
-        first_innovation=meta["next_innovation"], first_node=meta["next_node"]
-    )
     genomes = [
         Genome(genome_id, nodes, connections, fitness)
         for (genome_id, fitness, *_), nodes, connections in zip(
@@ -196,12 +174,11 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
         )
     ]
     for genome in genomes:
-        check_genome(genome, reproduction.inputs, reproduction.outputs)
-    evolution.population = Population.of(genomes[: spec.population])
+        check_genome(genome, meta["inputs"], meta["outputs"])
     founders = genomes[spec.population :]
     if sorted(arrays["members"].tolist()) != list(range(spec.population)):
         raise ValueError("species do not hold each genome once")
-    species = [
+    species = tuple(
         Species(species_id, founder, best_fitness, stagnant, members)
         for (species_id, best_fitness, stagnant, _), founder, members in zip(
             arrays["species"].tolist(),
@@ -209,10 +186,17 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
             _split(arrays["members"], arrays["species"]["members"]),
             strict=True,
         )
-    ]
-    evolution.species_set = SpeciesSet(species, meta["next_species"])
-    evolution.history = [Generation(*row) for row in arrays["history"].tolist()]
-    evolution.digest = meta["digest"]
+    )
+    evolution = Evolution.begin(spec, meta["inputs"], meta["outputs"])
+    evolution.state = State(
+        Population.of(genomes[: spec.population]),
+        SpeciesSet(species, meta["next_species"]),
+        evolution.state.innovations._replace(
+            first_innovation=meta["next_innovation"], first_node=meta["next_node"]
+        ),
+        tuple(Generation(*row) for row in arrays["history"].tolist()),
+        meta["digest"],
+    )
     return evolution
 
 

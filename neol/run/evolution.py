@@ -1,18 +1,19 @@
 """Evolution: the generation loop of the paper's Algorithm 1, one generation at a time."""
 
 import hashlib
-from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
-from typing import Annotated
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from neol.neat.decoding import decode, encode_weights
 from neol.neat.genome import Genome, Pool
+from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction
-from neol.neat.species import SpeciesSet, speciate
+from neol.neat.species import SpeciesSet, remove_stagnant, speciate
 from neol.network.forward import Networks
 from neol.random.seeds import Stream, episode_seeds, generator, held_out_seeds
 from neol.rollout.engine import Engine, Rollouts
@@ -54,37 +55,47 @@ class Generation:
     ]
 
 
+class State(NamedTuple):
+    """A run between two generations: a value that no further step changes."""
+
+    population: Population
+    """Evaluated; empty before the first generation."""
+    species_set: SpeciesSet
+    innovations: Innovations
+    history: tuple[Generation, ...]
+    digest: str
+    """Hex digest of the trajectory so far: each generation's networks, returns and steps."""
+
+
 @dataclass(slots=True)
 class Evolution:
     """A run in progress. Its whole trajectory is a function of its spec.
 
-    Between two steps the state is: an evaluated and speciated population, the counters, and the
-    history. A step reproduces (but for the first), evaluates and speciates.
+    A step makes the next `state`: it reproduces (but for the first), evaluates and speciates.
     """
 
     spec: RunSpec
     reproduction: Reproduction
-    population: Population = field(default_factory=lambda: Population.of([]))
-    species_set: SpeciesSet = field(default_factory=SpeciesSet)
-    history: list[Generation] = field(default_factory=list)
-    digest: str = ""
-    """Hex digest of the trajectory so far: each generation's networks, returns and steps."""
+    state: State
 
     @classmethod
     def begin(cls, spec: RunSpec, inputs: int, outputs: int) -> "Evolution":
         """A run before its first generation, for a task with so many inputs and outputs."""
-        return cls(spec, Reproduction(inputs, outputs, spec.neat), digest=spec.trajectory_key())
+        reproduction = Reproduction(inputs, outputs, spec.neat)
+        innovations = reproduction.first_innovations()
+        state = State(Population.of([]), SpeciesSet(), innovations, (), spec.trajectory_key())
+        return cls(spec, reproduction, state)
 
     @property
     def generation(self) -> int:
         """Generations completed."""
-        return len(self.history)
+        return len(self.state.history)
 
     @property
     def finished(self) -> bool:
         """Whether the generations, or the optional budget of environment steps, are used up."""
-        limit = self.spec.evaluation.step_limit
-        used_up = limit is not None and bool(self.history) and self.history[-1].env_steps >= limit
+        limit, history = self.spec.evaluation.step_limit, self.state.history
+        used_up = limit is not None and bool(history) and history[-1].env_steps >= limit
         return self.generation >= self.spec.generations or used_up
 
     def run(self, engine: Engine) -> Iterator[Generation]:
@@ -94,24 +105,25 @@ class Evolution:
 
     def step(self, engine: Engine) -> Generation:
         """One generation: reproduce, evaluate, speciate."""
-        number = self.generation + 1
-        self.population = self._next_population(number)
-        networks, gene = self._decode(self.population.pool)
-        seeds = self._episode_seeds(number)
-        rollouts = engine.evaluate(networks, seeds, self.spec.plasticity)
-        worst = min((row.best_fitness for row in self.history), default=0.0)
-        self.population.fitness = finite_fitness(rollouts, fallback=worst)
+        spec, history = self.spec, self.state.history
+        population, species_set, innovations = self._reproduce()
+        networks, gene = self._decode(population.pool)
+        rollouts = engine.evaluate(networks, self._episode_seeds(), spec.plasticity)
+        worst = min((row.best_fitness for row in history), default=0.0)
+        population = replace(population, fitness=finite_fitness(rollouts, fallback=worst))
         learned = keep_inherited_where_failed(networks, rollouts)
-        if self.spec.plasticity.write_back:
-            encode_weights(self.population.pool, gene, learned)
-        speciate(self.population, self.species_set, self.spec.neat)
-        self.digest = _chain(self.digest, networks, rollouts)
-        self.history.append(self._statistics(number, networks, rollouts, learned))
-        return self.history[-1]
+        if spec.plasticity.write_back:
+            encode_weights(population.pool, gene, learned)
+        species_set = speciate(population, species_set, spec.neat)
+        row = _statistics(history, population.fitness, species_set, networks, rollouts, learned)
+        digest = _chain(self.state.digest, networks, rollouts)
+        self.state = State(population, species_set, innovations, (*history, row), digest)
+        return row
 
     def champion(self) -> Genome:
         """A copy of the final population's best genome, the oldest of equals (Algorithm 1)."""
-        return self.population[int(np.argmax(self.population.fitness))].copy()
+        population = self.state.population
+        return population[int(np.argmax(population.fitness))].copy()
 
     def held_out_returns(self, engine: Engine) -> npt.NDArray[np.float64]:
         """The champion's returns in fresh episodes, plastic as in training: float64[episodes].
@@ -125,52 +137,28 @@ class Evolution:
         ).returns[:, 0]
         return returns
 
-    def _next_population(self, number: int) -> Population:
-        seed, size = self.spec.seed, self.spec.population
-        if number == 1:
-            return self.reproduction.initial_population(size, generator(seed, Stream.INITIAL))
-        random = generator(seed, Stream.REPRODUCTION, number)
-        return self.reproduction.reproduce(self.population, self.species_set, random)
+    def _reproduce(self) -> tuple[Population, SpeciesSet, Innovations]:
+        """The next generation's genomes, the species that are left, the numbers given out."""
+        seed, (population, species_set, innovations, *_) = self.spec.seed, self.state
+        if self.generation == 0:
+            random = generator(seed, Stream.INITIAL)
+            first = self.reproduction.initial_population(self.spec.population, random)
+            return first, species_set, innovations
+        random = generator(seed, Stream.REPRODUCTION, self.generation + 1)
+        left = remove_stagnant(species_set, population.fitness, self.spec.neat)
+        children, innovations = self.reproduction.reproduce(population, left, innovations, random)
+        return children, left, innovations
 
-    def _episode_seeds(self, number: int) -> npt.NDArray[np.uint64]:
-        """Environment seeds of a generation: uint64[P, N]."""
-        size, episodes = len(self.population), self.spec.evaluation.episodes
+    def _episode_seeds(self) -> npt.NDArray[np.uint64]:
+        """Environment seeds of the next generation: uint64[P, N]."""
+        size, episodes = self.spec.population, self.spec.evaluation.episodes
         if self.spec.evaluation.episode_seed == "fixed":
             return np.tile(np.arange(episodes, dtype=np.uint64), (size, 1))
-        return episode_seeds(self.spec.seed, number, size, episodes)
+        return episode_seeds(self.spec.seed, self.generation + 1, size, episodes)
 
     def _decode(self, pool: Pool) -> tuple[Networks, npt.NDArray[np.int64]]:
         inputs, outputs = self.reproduction.inputs, self.reproduction.outputs
         return decode(pool, inputs, outputs, self.spec.network)
-
-    def _statistics(
-        self,
-        number: int,
-        networks: Networks,
-        rollouts: Rollouts,
-        learned: npt.NDArray[np.float64],
-    ) -> Generation:
-        fitness = self.population.fitness
-        best = int(np.argmax(fitness))
-        nodes, connections = networks.node_offset, networks.edge_bounds
-        change = np.abs(learned - networks.weight)
-        before = self.history[-1] if self.history else None
-        return Generation(
-            generation=number,
-            best_fitness=float(fitness[best]),
-            mean_fitness=float(fitness.mean()),
-            sd_fitness=float(fitness.std()),
-            evaluations=len(fitness) + (before.evaluations if before else 0),
-            env_steps=int(rollouts.steps.sum()) + (before.env_steps if before else 0),
-            species=len(self.species_set.species),
-            nodes_mean=int(nodes[-1]) / len(fitness),
-            connections_mean=int(connections[-1]) / len(fitness),
-            nodes_best=int(nodes[best + 1] - nodes[best]),
-            connections_best=int(connections[best + 1] - connections[best]),
-            weight_change_mean=float(change.mean()) if len(change) else 0.0,
-            failed_evaluations=int(rollouts.failed.sum())
-            + (before.failed_evaluations if before else 0),
-        )
 
 
 COLUMNS = tuple(column.name for column in fields(Generation))
@@ -198,6 +186,36 @@ def keep_inherited_where_failed(networks: Networks, rollouts: Rollouts) -> npt.N
         return rollouts.weight
     failed = np.repeat(rollouts.failed, np.diff(networks.edge_bounds))
     return np.where(failed, networks.weight, rollouts.weight)
+
+
+def _statistics(
+    history: Sequence[Generation],
+    fitness: npt.NDArray[np.float64],
+    species_set: SpeciesSet,
+    networks: Networks,
+    rollouts: Rollouts,
+    learned: npt.NDArray[np.float64],
+) -> Generation:
+    best = int(np.argmax(fitness))
+    nodes, connections = networks.node_offset, networks.edge_bounds
+    change = np.abs(learned - networks.weight)
+    before = history[-1] if history else None
+    return Generation(
+        generation=len(history) + 1,
+        best_fitness=float(fitness[best]),
+        mean_fitness=float(fitness.mean()),
+        sd_fitness=float(fitness.std()),
+        evaluations=len(fitness) + (before.evaluations if before else 0),
+        env_steps=int(rollouts.steps.sum()) + (before.env_steps if before else 0),
+        species=len(species_set.species),
+        nodes_mean=int(nodes[-1]) / len(fitness),
+        connections_mean=int(connections[-1]) / len(fitness),
+        nodes_best=int(nodes[best + 1] - nodes[best]),
+        connections_best=int(connections[best + 1] - connections[best]),
+        weight_change_mean=float(change.mean()) if len(change) else 0.0,
+        failed_evaluations=int(rollouts.failed.sum())
+        + (before.failed_evaluations if before else 0),
+    )
 
 
 def _chain(digest: str, networks: Networks, rollouts: Rollouts) -> str:

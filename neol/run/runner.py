@@ -17,7 +17,7 @@ from neol.base.errors import UserError
 from neol.neat.genome import Genome
 from neol.rollout import Engine, EngineName, make_engine
 from neol.rollout.environment import network_size
-from neol.run.checkpoint import TimeSpent, read_checkpoint, snapshot, write_checkpoint
+from neol.run.checkpoint import TimeSpent, read_checkpoint, write_checkpoint
 from neol.run.evolution import Evolution, Generation
 from neol.run.provenance import checkout, provenance
 from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, join
@@ -35,7 +35,7 @@ class SeedResult:
     """What one run came to."""
 
     spec: RunSpec
-    history: list[Generation]
+    history: tuple[Generation, ...]
     champion: Genome
     held_out_returns: npt.NDArray[np.float64]
     """float64[episodes]: NaN where an episode failed."""
@@ -73,19 +73,17 @@ def run_seed(
             spent.cpu_seconds + time.process_time() - cpu,
         )
 
-    done = snapshot(evolution)
-    saved = done.generation
+    saved = evolution.generation
 
     def save() -> None:
         nonlocal saved
-        if checkpoint is not None and done.generation > saved:
-            write_checkpoint(checkpoint, done, time_spent())
-            saved = done.generation
+        if checkpoint is not None and evolution.generation > saved:
+            write_checkpoint(checkpoint, evolution, time_spent())
+            saved = evolution.generation
 
     try:
         for generation in evolution.run(engine):
-            done = snapshot(evolution)
-            if done.generation % checkpoint_every == 0:
+            if evolution.generation % checkpoint_every == 0:
                 save()
             if on_generation is not None:
                 on_generation(spec.seed, generation)
@@ -93,10 +91,11 @@ def run_seed(
     except BaseException as error:
         save()
         if isinstance(error, UserError):
-            place = "held-out episodes" if done.finished else f"generation {done.generation + 1}"
+            number = evolution.generation + 1
+            place = "held-out episodes" if evolution.finished else f"generation {number}"
             raise UserError(f"seed {spec.seed}, {place}: {error}") from error
         raise
-    last = evolution.history[-1]
+    last = evolution.state.history[-1]
     if last.failed_evaluations == last.evaluations:
         save()
         raise UserError(
@@ -106,10 +105,10 @@ def run_seed(
         )
     return SeedResult(
         spec=spec,
-        history=evolution.history,
+        history=evolution.state.history,
         champion=evolution.champion(),
         held_out_returns=held_out_returns,
-        digest=evolution.digest,
+        digest=evolution.state.digest,
         inputs=evolution.reproduction.inputs,
         outputs=evolution.reproduction.outputs,
         engine=engine.name,

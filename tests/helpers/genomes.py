@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from neol.neat.breeding import Rates, breed
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool
+from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction, fittest_first
 from neol.neat.variation import crossover
@@ -60,14 +61,15 @@ def cross(one: Genome, other: Genome, neat: Neat, seed: int = 0) -> Genome:
     return child
 
 
-def grow(seed: int, neat: Neat, rounds: int) -> tuple[list[Genome], Reproduction]:
+def grow(seed: int, neat: Neat, rounds: int) -> tuple[list[Genome], Innovations]:
     """Six genomes after rounds of crossover and mutation with random fitness."""
     random = np.random.default_rng(seed)
     reproduction = Reproduction(INPUTS, OUTPUTS, neat)
     population = list(reproduction.initial_population(6, random))
+    innovations = reproduction.first_innovations()
     state = new_state(random)
     for _ in range(rounds):
-        reproduction.innovations = reproduction.innovations.next_generation(len(population))
+        innovations = innovations.next_generation(len(population))
         for genome in population:
             genome.fitness = float(random.integers(3))
         children = []
@@ -83,14 +85,12 @@ def grow(seed: int, neat: Neat, rounds: int) -> tuple[list[Genome], Reproduction
                 INPUTS,
                 OUTPUTS,
                 reproduction.rates,
-                reproduction.innovations,
+                innovations,
                 state,
             )
-            child = Genome(reproduction.next_genome, nodes, connections)
-            reproduction.next_genome += 1
-            children.append(child)
+            children.append(Genome(population[-1].id + 1 + len(children), nodes, connections))
         population = children
-    return population, reproduction
+    return population, innovations
 
 
 populations = st.builds(

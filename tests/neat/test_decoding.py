@@ -7,8 +7,8 @@ from hypothesis import given, settings
 
 from neol.neat.decoding import decode, encode_weights
 from neol.neat.genome import Genome, Pool
+from neol.neat.innovations import Innovations
 from neol.neat.population import Population
-from neol.neat.reproduction import Reproduction
 from neol.spec.configuration import load_configuration
 from tests.helpers.genomes import INPUTS, OUTPUTS, genome_of, populations
 from tests.helpers.networks import outputs_of
@@ -36,7 +36,7 @@ def plain_outputs(genome: Genome) -> list[float]:
 @given(populations)
 @settings(max_examples=60, deadline=None)
 def test_a_decoded_network_computes_what_the_genes_say(
-    grown: tuple[list[Genome], Reproduction],
+    grown: tuple[list[Genome], Innovations],
 ) -> None:
     networks, _ = decode(Pool.of(grown[0]), INPUTS, OUTPUTS, NETWORK)
     assert networks.population == len(grown[0])
@@ -47,7 +47,7 @@ def test_a_decoded_network_computes_what_the_genes_say(
 @given(populations)
 @settings(max_examples=30, deadline=None)
 def test_weights_go_back_to_the_genes_they_came_from(
-    grown: tuple[list[Genome], Reproduction],
+    grown: tuple[list[Genome], Innovations],
 ) -> None:
     population = Population.of(grown[0])
     networks, gene = decode(population.pool, INPUTS, OUTPUTS, NETWORK)

@@ -1,18 +1,20 @@
 """Populations: genomes kept end to end."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 
 from neol.neat.genome import CONNECTION, NODE, Genome
+from neol.neat.innovations import Innovations
 from neol.neat.population import Population
-from neol.neat.reproduction import Reproduction
 from tests.helpers.genomes import genome_of, populations
 
 
 @given(populations)
 @settings(max_examples=20, deadline=None)
-def test_a_population_holds_its_genomes(grown: tuple[list[Genome], Reproduction]) -> None:
+def test_a_population_holds_its_genomes(grown: tuple[list[Genome], Innovations]) -> None:
     population = Population.of(grown[0])
     assert len(population) == len(grown[0])
     for genome, expected in zip(population, grown[0], strict=True):
@@ -24,7 +26,7 @@ def test_a_population_holds_its_genomes(grown: tuple[list[Genome], Reproduction]
 
 def test_a_genome_is_a_view_and_its_copy_is_not() -> None:
     population = Population.of([genome_of([(0, 0, 3, 1.0, True)], id=i) for i in (4, 5)])
-    population.fitness = np.array([1.0, 2.0])
+    population = replace(population, fitness=np.array([1.0, 2.0]))
     copy = population[1].copy()
     population[1].connections["weight"] = 7.0
     assert population.pool.connections["weight"].tolist() == [1.0, 7.0]

@@ -1,12 +1,13 @@
 """Offspring counts, elites and parents; whole populations against a plain twin."""
 
-from dataclasses import astuple
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from neol.neat.innovations import Innovations
 from neol.neat.population import Population
 from neol.neat.reproduction import Reproduction, spawn_counts
 from neol.neat.species import SpeciesSet, adjusted_fitness, remove_stagnant, speciate
@@ -48,22 +49,27 @@ def test_spawn_counts_by_hand(adjusted: list[float], size: int, expected: list[i
     assert spawn_counts(np.array(adjusted), size, neat).tolist() == expected
 
 
-def evolve(generations: int, size: int = 30, **changes: object) -> tuple[SpeciesSet, Reproduction]:
+def evolve(generations: int, size: int = 30, **changes: object) -> tuple[Population, Innovations]:
     """A few generations on a fitness that is just the sum of weights."""
     neat = neat_constants(**changes)
-    reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
+    reproduction = Reproduction(INPUTS, OUTPUTS, neat)
+    species_set, innovations = SpeciesSet(), reproduction.first_innovations()
     population = reproduction.initial_population(size, np.random.default_rng(0))
     for generation in range(generations):
-        population.fitness = np.array([g.connections["weight"].sum() for g in population])
-        speciate(population, species_set, neat)
+        population = replace(
+            population, fitness=np.array([g.connections["weight"].sum() for g in population])
+        )
+        species_set = speciate(population, species_set, neat)
         random = np.random.default_rng(generation)
-        population = reproduction.reproduce(population, species_set, random)
+        population, innovations = reproduction.reproduce(
+            population, species_set, innovations, random
+        )
         assert len(population) == size
         for genome in population:
             assert_sound(genome)
     ids = [genome.id for genome in population]
     assert len(set(ids)) == len(ids)
-    return species_set, reproduction
+    return population, innovations
 
 
 @pytest.mark.parametrize("size", [2, 3, 30])
@@ -75,11 +81,13 @@ def test_elites_are_copied_unchanged() -> None:
     neat = neat_constants(elitism=2)
     reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
     population = reproduction.initial_population(20, np.random.default_rng(0))
-    population.fitness = np.arange(20.0)
-    speciate(population, species_set, neat)
+    population = replace(population, fitness=np.arange(20.0))
+    species_set = speciate(population, species_set, neat)
     best = [s.members[:2] for s in species_set.species]
     random = np.random.default_rng(1)
-    children = reproduction.reproduce(population, species_set, random)
+    children, _ = reproduction.reproduce(
+        population, species_set, reproduction.first_innovations(), random
+    )
     for elites in best:
         for elite in [population[place] for place in elites]:
             assert any(
@@ -100,19 +108,21 @@ def test_only_survivors_become_parents() -> None:
     )
     reproduction, species_set = Reproduction(INPUTS, OUTPUTS, neat), SpeciesSet()
     population = reproduction.initial_population(20, np.random.default_rng(0))
-    population.fitness = np.arange(20.0)
-    speciate(population, species_set, neat)
+    population = replace(population, fitness=np.arange(20.0))
+    species_set = speciate(population, species_set, neat)
     random = np.random.default_rng(1)
-    children = reproduction.reproduce(population, species_set, random)
+    children, _ = reproduction.reproduce(
+        population, species_set, reproduction.first_innovations(), random
+    )
     fittest = [population[place] for place in range(16, 20)]
     allowed = {w for genome in fittest for w in genome.connections["weight"]}
     assert {w for child in children for w in child.connections["weight"]} <= allowed
 
 
 def test_numbers_only_grow() -> None:
-    _, reproduction = evolve(5)
-    assert reproduction.next_genome == 30 * 6
-    assert reproduction.innovations.next_innovation >= INPUTS * OUTPUTS
+    population, innovations = evolve(5)
+    assert population.first_id == 30 * 5
+    assert innovations.next_innovation >= INPUTS * OUTPUTS
 
 
 BUSY = {
@@ -156,23 +166,25 @@ def test_populations_are_those_of_a_plain_twin(
     reproduction = Reproduction(INPUTS, OUTPUTS, neat)
     twin = PlainReproduction(INPUTS, OUTPUTS, neat)
     random, twin_random, chance = (np.random.default_rng(seed) for seed in (0, 0, 1))
-    species_set = SpeciesSet()
+    species_set, innovations = SpeciesSet(), reproduction.first_innovations()
     population = reproduction.initial_population(size, random)
     expected = twin.initial_population(size, twin_random)
     assert genes(population) == plain_genes(expected)
     for _ in range(15):
-        population.fitness = chance.integers(8, size=size).astype(float)
+        population = replace(population, fitness=chance.integers(8, size=size).astype(float))
         for genome, fitness in zip(expected, population.fitness.tolist(), strict=True):
             genome.fitness = fitness
-        speciate(population, species_set, neat)
-        remove_stagnant(species_set, population.fitness, neat)
+        species_set = speciate(population, species_set, neat)
+        species_set = remove_stagnant(species_set, population.fitness, neat)
         members = [species.members.tolist() for species in species_set.species]
         adjusted = adjusted_fitness(species_set, population.fitness, neat).tolist()
-        population = reproduction.reproduce(population, species_set, random)
+        population, innovations = reproduction.reproduce(
+            population, species_set, innovations, random
+        )
         expected = twin.reproduce(expected, members, adjusted, twin_random)
         assert genes(population) == plain_genes(expected)
-        assert reproduction.innovations.next_innovation == twin.next_innovation
-        assert reproduction.innovations.next_node == twin.next_node
+        assert innovations.next_innovation == twin.next_innovation
+        assert innovations.next_node == twin.next_node
         assert random.bit_generator.state == twin_random.bit_generator.state
     assert max(len(genome.biases) for genome in expected) > OUTPUTS, "hidden nodes"
 

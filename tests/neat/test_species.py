@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neol.neat.genome import Genome
+from neol.neat.innovations import Innovations
 from neol.neat.population import Population
-from neol.neat.reproduction import Reproduction
 from neol.neat.species import (
     Species,
     SpeciesSet,
@@ -56,7 +56,7 @@ def test_distance_without_a_matching_gene() -> None:
 @given(populations)
 @settings(max_examples=30, deadline=None)
 def test_distance_is_symmetric_and_zero_to_itself(
-    grown: tuple[list[Genome], Reproduction],
+    grown: tuple[list[Genome], Innovations],
 ) -> None:
     one, other = grown[0][:2]
     assert distance(one, other, NEAT) == distance(other, one, NEAT) >= 0.0
@@ -124,7 +124,7 @@ def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> 
 )
 @settings(max_examples=30, deadline=None)
 def test_speciation_is_that_of_a_plain_twin(
-    grown: tuple[list[Genome], Reproduction],
+    grown: tuple[list[Genome], Innovations],
     threshold: float,
     genes: str,
     normaliser: str,
@@ -141,8 +141,8 @@ def test_speciation_is_that_of_a_plain_twin(
     for generation in (genomes[: len(genomes) // 2], genomes[::-1]):
         generation = [replace(genome, id=id) for id, genome in enumerate(generation)]
         population = Population.of(generation)
-        population.fitness = np.zeros(len(generation))
-        speciate(population, species_set, neat)
+        population = replace(population, fitness=np.zeros(len(generation)))
+        species_set = speciate(population, species_set, neat)
         homes = plain_species(generation, founders, neat)
         assert dict(members_of(species_set)) == {
             id: [place for place, home in enumerate(homes) if home == id] for id in set(homes)
@@ -153,8 +153,7 @@ def weighted(weights: list[float], fitness: list[float] | None = None) -> Popula
     """Genomes of a single connection with these weights."""
     genomes = [genome_of([(0, 0, 3, weight, True)], id=i) for i, weight in enumerate(weights)]
     population = Population.of(genomes)
-    population.fitness = np.array(fitness or [0.0] * len(weights))
-    return population
+    return replace(population, fitness=np.array(fitness or [0.0] * len(weights)))
 
 
 def members_of(species_set: SpeciesSet) -> list[tuple[int, list[int]]]:
@@ -165,17 +164,17 @@ def members_of(species_set: SpeciesSet) -> list[tuple[int, list[int]]]:
 def test_speciation_keeps_representatives_and_takes_the_nearest() -> None:
     species_set = SpeciesSet()
     # threshold 3.0 is a weight difference of 6
-    speciate(weighted([0.0, 5.9, 20.0], [1.0, 3.0, 2.0]), species_set, NEAT)
+    species_set = speciate(weighted([0.0, 5.9, 20.0], [1.0, 3.0, 2.0]), species_set, NEAT)
     assert members_of(species_set) == [(0, [1, 0]), (1, [2])]
 
     # 6.5 is within reach of genome 1 but not of the representative, genome 0
-    speciate(weighted([6.5, -1.0, 14.1]), species_set, NEAT)
+    species_set = speciate(weighted([6.5, -1.0, 14.1]), species_set, NEAT)
     assert members_of(species_set) == [(0, [1]), (1, [2]), (2, [0])]
 
     # 10.2 lies between the second and the third species, nearer to the third
-    speciate(weighted([10.2]), species_set, NEAT)
+    species_set = speciate(weighted([10.2]), species_set, NEAT)
     assert members_of(species_set) == [(2, [0])]
-    speciate(weighted([99.0]), species_set, NEAT)
+    species_set = speciate(weighted([99.0]), species_set, NEAT)
     assert members_of(species_set) == [(3, [0])], "ids of dead species do not come back"
 
 
@@ -184,35 +183,35 @@ def test_the_nearest_genome_can_become_the_next_representative() -> None:
         disjoint_coefficient=1.0, weight_coefficient=0.5, representative="nearest"
     )
     species_set = SpeciesSet()
-    speciate(weighted([0.0, 20.0]), species_set, neat)
+    species_set = speciate(weighted([0.0, 20.0]), species_set, neat)
     # 9.0 and 14.0 are the nearest to 0.0 and to 20.0
-    speciate(weighted([12.0, 9.0, 14.0]), species_set, neat)
+    species_set = speciate(weighted([12.0, 9.0, 14.0]), species_set, neat)
     assert [s.representative.connections["weight"][0] for s in species_set.species] == [9.0, 14.0]
     assert members_of(species_set) == [(0, [1]), (1, [0, 2])]
     # both are nearest to 8.0, which the older one takes
-    speciate(weighted([8.0, 1.0]), species_set, neat)
+    species_set = speciate(weighted([8.0, 1.0]), species_set, neat)
     assert [s.representative.connections["weight"][0] for s in species_set.species] == [8.0, 1.0]
 
 
 def test_of_equally_near_species_the_oldest_wins() -> None:
     species_set = SpeciesSet()
-    speciate(weighted([0.0, 10.0]), species_set, NEAT)
-    speciate(weighted([5.0, 9.0]), species_set, NEAT)
+    species_set = speciate(weighted([0.0, 10.0]), species_set, NEAT)
+    species_set = speciate(weighted([5.0, 9.0]), species_set, NEAT)
     assert members_of(species_set) == [(0, [0]), (1, [1])]
 
 
 def test_a_representative_is_a_copy() -> None:
     founders = weighted([0.0])
     species_set = SpeciesSet()
-    speciate(founders, species_set, NEAT)
+    species_set = speciate(founders, species_set, NEAT)
     founders.pool.connections["weight"] = 100.0
-    speciate(weighted([1.0]), species_set, NEAT)
+    species_set = speciate(weighted([1.0]), species_set, NEAT)
     assert members_of(species_set) == [(0, [0])]
 
 
 def test_members_are_sorted_by_fitness_then_age() -> None:
     species_set = SpeciesSet()
-    speciate(weighted([0.0] * 4, [1.0, 3.0, 3.0, 2.0]), species_set, NEAT)
+    species_set = speciate(weighted([0.0] * 4, [1.0, 3.0, 3.0, 2.0]), species_set, NEAT)
     assert members_of(species_set) == [(0, [1, 2, 3, 0])]
 
 
@@ -220,7 +219,7 @@ def test_stagnation_counts_generations_without_a_better_best() -> None:
     species_set = SpeciesSet()
     counts = []
     for fitness in (1.0, 1.0, 0.5, 2.0, 2.0):
-        speciate(weighted([0.0], [fitness]), species_set, NEAT)
+        species_set = speciate(weighted([0.0], [fitness]), species_set, NEAT)
         counts.append(species_set.species[0].stagnant)
     assert counts == [0, 1, 2, 0, 1]
 
@@ -232,22 +231,22 @@ def species_of(id: int, members: list[int], stagnant: int = 0) -> Species:
 @pytest.mark.parametrize(("elitism", "left"), [(0, [2, 3]), (1, [2, 3]), (2, [2, 3, 4])])
 def test_stagnant_species_go_but_the_best_stay(elitism: int, left: list[int]) -> None:
     species_set = SpeciesSet(
-        [
+        (
             species_of(1, [0], stagnant=21),
             species_of(2, [1], stagnant=20),
             species_of(3, [2], stagnant=99),
             species_of(4, [3], stagnant=50),
-        ]
+        )
     )
     fitness = np.array([1.0, 0.5, 9.0, 2.0])
-    remove_stagnant(
+    left_over = remove_stagnant(
         species_set, fitness, neat_constants(max_stagnation=20, species_elitism=elitism)
     )
-    assert [s.id for s in species_set.species] == left
+    assert [s.id for s in left_over.species] == left
 
 
 def test_sharing_by_hand() -> None:
-    species_set = SpeciesSet([species_of(0, [0, 1, 3]), species_of(1, [2])])
+    species_set = SpeciesSet((species_of(0, [0, 1, 3]), species_of(1, [2])))
     fitness = np.array([4.0, 2.0, -2.0, 0.0])
     # shifted by -2: 6, 4, 2 and 0
     stanley = adjusted_fitness(species_set, fitness, neat_constants(sharing="stanley"))

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from neol.neat.breeding import Rates
 from neol.neat.genome import Genome
 from neol.neat.innovations import Innovations, connection_number, split_node
-from neol.neat.reproduction import Reproduction
 from neol.neat.values import draw_values, mutate_values
 from neol.neat.variation import (
     Genes,
@@ -40,20 +39,20 @@ RATES = Rates.of(NEAT)
 
 @given(populations)
 @settings(max_examples=60, deadline=None)
-def test_genomes_stay_sound(grown: tuple[list[Genome], Reproduction]) -> None:
-    population, reproduction = grown
+def test_genomes_stay_sound(grown: tuple[list[Genome], Innovations]) -> None:
+    population, innovations = grown
     for genome in population:
         assert_sound(genome)
-        assert genome.nodes["id"].max() < reproduction.innovations.next_node
-        if len(genome.connections) and not reproduction.innovations.by_endpoints:
+        assert genome.nodes["id"].max() < innovations.next_node
+        if len(genome.connections) and not innovations.by_endpoints:
             highest = genome.connections["innovation"].max()
-            assert highest < reproduction.innovations.next_innovation
+            assert highest < innovations.next_innovation
 
 
 @given(populations)
 @settings(max_examples=60, deadline=None)
 def test_an_innovation_number_means_one_connection(
-    grown: tuple[list[Genome], Reproduction],
+    grown: tuple[list[Genome], Innovations],
 ) -> None:
     meaning: dict[int, tuple[int, int]] = {}
     for genome in grown[0]:
@@ -64,7 +63,7 @@ def test_an_innovation_number_means_one_connection(
 @given(populations)
 @settings(max_examples=60, deadline=None)
 def test_genes_of_a_child_come_from_its_parents(
-    grown: tuple[list[Genome], Reproduction],
+    grown: tuple[list[Genome], Innovations],
 ) -> None:
     population, _ = grown
     for genome in population:
@@ -251,7 +250,7 @@ def test_reaches() -> None:
 
 @given(populations)
 @settings(max_examples=30, deadline=None)
-def test_reaching_is_that_of_a_plain_twin(grown: tuple[list[Genome], Reproduction]) -> None:
+def test_reaching_is_that_of_a_plain_twin(grown: tuple[list[Genome], Innovations]) -> None:
     """Between all nodes, inputs too, of each genome."""
     for genome in grown[0]:
         plain = PlainGenome({}, {n: Connection(s, t, w) for n, s, t, w, _ in genome.connections})

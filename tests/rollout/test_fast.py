@@ -81,7 +81,7 @@ def evolved_networks(name: str, population: int) -> Networks:
     )
     evolution = Evolution.begin(spec, *network_size(spec.task))
     list(evolution.run(fast(spec.task)))
-    pool = evolution.population.pool
+    pool = evolution.state.population.pool
     networks, _ = decode(pool, *network_size(spec.task), spec.network)
     assert np.mean(np.diff(networks.node_offset) > networks.outputs) > 0.8, "hidden nodes"
     assert np.mean(pool.connections["enabled"]) < 0.9

@@ -62,8 +62,8 @@ def digest_of(
     evolution = Evolution.begin(spec, *network_size(spec.task))
     list(evolution.run(engine))
     engine.close()
-    assert evolution.history[-1].nodes_mean > len(evolution.population[0].nodes) / 2
-    return evolution.digest, engine.name
+    assert evolution.state.history[-1].nodes_mean > len(evolution.state.population[0].nodes) / 2
+    return evolution.state.digest, engine.name
 
 
 @pytest.mark.parametrize(("task", "method"), CASES)

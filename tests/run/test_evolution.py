@@ -18,20 +18,20 @@ from tests.helpers.runs import evolve, run_spec
 @pytest.mark.parametrize("method", ["neat", "neat_wo", "hebb", "oja", "bcm"])
 def test_same_spec_same_trajectory(method: str) -> None:
     one, other = evolve(run_spec(method)), evolve(run_spec(method))
-    assert one.digest == other.digest
-    assert one.history == other.history
-    assert evolve(run_spec(method, seed=1)).digest != one.digest
+    assert one.state.digest == other.state.digest
+    assert one.state.history == other.state.history
+    assert evolve(run_spec(method, seed=1)).state.digest != one.state.digest
 
 
 def test_a_shorter_run_is_a_prefix_of_a_longer_one() -> None:
     short, long = evolve(run_spec()), evolve(run_spec(generations=7))
-    assert long.history[:4] == short.history
+    assert long.state.history[:4] == short.state.history
 
 
 def test_methods_meet_the_same_episodes_and_first_population() -> None:
     neat, neat_wo = evolve(run_spec("neat")), evolve(run_spec("neat_wo"))
-    assert neat.history[0] == neat_wo.history[0]
-    assert neat.history[1:] != neat_wo.history[1:]
+    assert neat.state.history[0] == neat_wo.state.history[0]
+    assert neat.state.history[1:] != neat_wo.state.history[1:]
 
 
 def test_one_fixed_episode_is_the_same_for_all_evaluations_of_all_runs() -> None:
@@ -53,19 +53,21 @@ def test_one_fixed_episode_is_the_same_for_all_evaluations_of_all_runs() -> None
 
 def test_statistics_add_up() -> None:
     evolution = evolve(run_spec("hebb", 0, "evaluation.episodes=2"))
-    last = evolution.history[-1]
-    fitness = np.array([genome.fitness for genome in evolution.population])
-    assert [row.generation for row in evolution.history] == [1, 2, 3, 4]
+    last = evolution.state.history[-1]
+    fitness = np.array([genome.fitness for genome in evolution.state.population])
+    assert [row.generation for row in evolution.state.history] == [1, 2, 3, 4]
     assert last.best_fitness == fitness.max()
     assert last.mean_fitness == fitness.mean()
     assert last.sd_fitness == fitness.std()
     assert last.evaluations == 4 * 8
-    steps = np.diff([0] + [row.env_steps for row in evolution.history])
+    steps = np.diff([0] + [row.env_steps for row in evolution.state.history])
     # CartPole pays 1 a step, so steps are N * P * mean fitness
-    assert steps.tolist() == [round(2 * 8 * row.mean_fitness) for row in evolution.history]
-    assert last.species == len(evolution.species_set.species)
-    nodes = [len(genome.nodes) for genome in evolution.population]
-    connections = [int(genome.connections["enabled"].sum()) for genome in evolution.population]
+    assert steps.tolist() == [round(2 * 8 * row.mean_fitness) for row in evolution.state.history]
+    assert last.species == len(evolution.state.species_set.species)
+    nodes = [len(genome.nodes) for genome in evolution.state.population]
+    connections = [
+        int(genome.connections["enabled"].sum()) for genome in evolution.state.population
+    ]
     assert (last.nodes_mean, last.connections_mean) == (np.mean(nodes), np.mean(connections))
     best = int(fitness.argmax())
     assert (last.nodes_best, last.connections_best) == (nodes[best], connections[best])
@@ -75,39 +77,39 @@ def test_statistics_add_up() -> None:
 def test_the_champion_is_a_copy_of_the_final_best() -> None:
     evolution = evolve(run_spec())
     champion = evolution.champion()
-    best = next(g for g in evolution.population if g.id == champion.id)
-    assert champion.fitness == evolution.history[-1].best_fitness == best.fitness
+    best = next(g for g in evolution.state.population if g.id == champion.id)
+    assert champion.fitness == evolution.state.history[-1].best_fitness == best.fitness
     best.connections["weight"] = 99.0
     assert (champion.connections["weight"] != 99.0).all()
 
 
 def test_held_out_episodes_are_reproducible_and_change_nothing() -> None:
     evolution = evolve(run_spec())
-    engine, digest = ReferenceEngine(evolution.spec.task), evolution.digest
+    engine, digest = ReferenceEngine(evolution.spec.task), evolution.state.digest
     weights = evolution.champion().connections["weight"].copy()
     first = evolution.held_out_returns(engine)
     assert first.shape == (3,)
     assert (first == evolution.held_out_returns(engine)).all()
     assert (evolution.champion().connections["weight"] == weights).all()
-    assert evolution.digest == digest
+    assert evolution.state.digest == digest
 
 
 def test_write_back_decides_whether_learned_weights_are_inherited() -> None:
     def final_weights(write_back: str) -> npt.NDArray[np.float64]:
         spec = run_spec("oja", 0, f"plasticity.write_back={write_back}", generations=1)
-        return np.concatenate([g.connections["weight"] for g in evolve(spec).population])
+        return np.concatenate([g.connections["weight"] for g in evolve(spec).state.population])
 
     inherited = final_weights("false")
     plain = run_spec("neat", generations=1)
-    initial = np.concatenate([g.connections["weight"] for g in evolve(plain).population])
+    initial = np.concatenate([g.connections["weight"] for g in evolve(plain).state.population])
     assert (inherited == initial).all()
     assert (final_weights("true") != inherited).any()
 
 
 def test_a_step_limit_ends_a_run_early() -> None:
     evolution = evolve(run_spec("neat", 0, "evaluation.step_limit=100", generations=50))
-    assert evolution.history[-1].env_steps >= 100
-    assert evolution.history[-2].env_steps < 100 if evolution.generation > 1 else True
+    assert evolution.state.history[-1].env_steps >= 100
+    assert evolution.state.history[-2].env_steps < 100 if evolution.generation > 1 else True
     assert evolution.generation < 50
 
 

@@ -24,8 +24,8 @@ from tests.helpers.runs import SPEC, block, evolve, killer, names, result, run_s
 def test_a_seed_is_its_evolution() -> None:
     engine = ReferenceEngine(SPEC.task)
     made, evolution = run_seed(SPEC, engine), evolve(SPEC)
-    assert made.history == evolution.history
-    assert made.digest == evolution.digest
+    assert made.history == evolution.state.history
+    assert made.digest == evolution.state.digest
     assert made.held_out_returns.tolist() == evolution.held_out_returns(engine).tolist()
     assert made.champion.connections.tolist() == evolution.champion().connections.tolist()
     assert made.engine == "reference"
@@ -41,7 +41,7 @@ def test_a_block_is_its_seeds(tmp_path: Path) -> None:
         on_generation=lambda seed, done: told.append((seed, done.generation)),
     )
     assert told == [(seed, generation) for seed in (1, 3) for generation in (1, 2, 3, 4)]
-    assert record.seeds[1].digest == evolve(record.spec_of(3)).digest
+    assert record.seeds[1].digest == evolve(record.spec_of(3)).state.digest
     assert record.budget == "smoke"
     read = read_record(tmp_path / "a" / "run.parquet", SPEC)
     assert result(read) == result(record)

@@ -2,7 +2,7 @@
 
 import contextlib
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -62,7 +62,7 @@ def specification(
 class Evolutions:
     """Evolve and draw a population at each call; earlier runs stay in grey."""
 
-    earlier: list[tuple[str, str, list[Generation]]] = field(default_factory=list)
+    earlier: list[tuple[str, str, Sequence[Generation]]] = field(default_factory=list)
     """Task, label and history of each run, the oldest first."""
 
     def __call__(self, **settings: Any) -> Iterator[Figure]:
@@ -83,18 +83,18 @@ class Evolutions:
                 if now - begun >= LONGEST_SECONDS:
                     break
                 if now - latest >= PICTURE_SECONDS:
-                    yield self._draw(spec, label, evolution.history)
+                    yield self._draw(spec, label, evolution.state.history)
                     latest = time.monotonic()
             held_out = HeldOut.of(evolution.held_out_returns(engine))
         mean = "failed" if held_out.mean is None else drawn(f"{held_out.mean:.1f}")
         remark = f", champion in {len(held_out.returns)} fresh episodes: {mean}"
-        if len(evolution.history) < spec.generations:
+        if len(evolution.state.history) < spec.generations:
             remark += f"\nstopped after {LONGEST_SECONDS:g} s"
-        yield self._draw(spec, label, evolution.history, remark)
-        self.earlier.append((spec.task.name, label, evolution.history))
+        yield self._draw(spec, label, evolution.state.history, remark)
+        self.earlier.append((spec.task.name, label, evolution.state.history))
 
     def _draw(
-        self, spec: RunSpec, label: str, history: list[Generation], remark: str = ""
+        self, spec: RunSpec, label: str, history: Sequence[Generation], remark: str = ""
     ) -> Figure:
         with drawing():
             figure = Figure(figsize=(WIDTH, 2.8))
@@ -117,7 +117,7 @@ class Evolutions:
                 axis.plot(x, best, color=GREY, alpha=0.5, linewidth=0.8, label=label)
 
 
-def _draw_run(axis: Axes, label: str, history: list[Generation], colour: str) -> None:
+def _draw_run(axis: Axes, label: str, history: Sequence[Generation], colour: str) -> None:
     x = [row.generation for row in history]
     axis.plot(x, [row.best_fitness for row in history], color=colour, label=label)
     mean = [row.mean_fitness for row in history]

@@ -58,7 +58,8 @@ def replay(run: Run, generations: int) -> Replay:
 def replay_champion(run: Run) -> Replay:
     """Repeat the held-out episodes of a run's champion. Raises UserError as `replay` does."""
     _, info, evolution = _begin(run)
-    evolution.population = Population.of([info.champion.genome()])
+    champion = Population.of([info.champion.genome()])
+    evolution.state = evolution.state._replace(population=champion)
     with contextlib.closing(make_engine(evolution.spec.task)) as engine:
         again = HeldOut.of(evolution.held_out_returns(engine))
     returns = (None, "held_out.returns", info.held_out.returns, again.returns)
@@ -86,7 +87,7 @@ def _values(
         for column in COLUMNS:
             yield number + 1, column, stored[column][number].item(), getattr(row, column)
     if generations == len(stored["generation"]):
-        yield None, "digest", info.digest, evolution.digest
+        yield None, "digest", info.digest, evolution.state.digest
         champion = Champion.of(evolution.champion())
         for name, old in info.champion:
             yield None, f"champion.{name}", old, getattr(champion, name)

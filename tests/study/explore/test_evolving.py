@@ -50,7 +50,7 @@ def test_what_is_drawn_is_the_run_of_that_specification() -> None:
     *_, last = evolutions(method="oja", **SMALL)  # type: ignore[arg-type]
     drawn = last.axes[0].get_lines()[0].get_ydata()
     expected = evolve(evolving.specification(method="oja", **SMALL))  # type: ignore[arg-type]
-    assert list(drawn) == [row.best_fitness for row in expected.history]
+    assert list(drawn) == [row.best_fitness for row in expected.state.history]
 
 
 def test_earlier_runs_of_the_task_stay() -> None:
