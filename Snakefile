@@ -13,6 +13,7 @@ include: "rules/report.smk"
 localrules:
     all,
     tables,
+    numbers,
     figures,
     claims,
     beyond,
@@ -39,6 +40,11 @@ rule all:
 rule tables:
     input:
         made("tables"),
+
+
+rule numbers:
+    input:
+        made("numbers"),
 
 
 rule figures:

@@ -109,6 +109,19 @@ def sd_ratio(sample: Moments, against: Moments, confidence: float = 1 - ALPHA) -
     return Estimate(ratio, float(low), float(high))
 
 
+def sd_p(sample: Moments, against: Moments) -> float:
+    """Two-sided p-value of the F test that two standard deviations are equal (normal outcomes).
+
+    Without any spread on one side it is 0, on both sides 1.
+    """
+    if not (sample.sd >= 0 and against.sd >= 0):
+        return math.nan
+    if 0 in (sample.sd, against.sd):
+        return float(sample.sd == against.sd)
+    ratio, degrees = (sample.sd / against.sd) ** 2, (sample.seeds - 1, against.seeds - 1)
+    return float(2 * min(stats.f.cdf(ratio, *degrees), stats.f.sf(ratio, *degrees)))
+
+
 def compare(sample: Mapping[int, float], against: Mapping[int, float]) -> dict[str, float]:
     """The primary comparison of two groups of runs, given by seed, as columns of a table.
 

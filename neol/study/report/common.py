@@ -16,7 +16,7 @@ from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.shown import SHOWN_READING, select
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.output.sidecar import Sidecar
-from neol.study.tables import paper_tables
+from neol.study.tables import agreement, paper_tables
 from neol.study.tables.table import Table
 
 MAX_BYTES = 2**27
@@ -74,7 +74,8 @@ def verified_table(campaign: Campaign, figures: Path, name: str) -> tuple[Table,
 
     Raises UserError where that is not so, or as `verified` does.
     """
-    table: Table = getattr(paper_tables, name)(campaign)
+    makers = agreement if name.startswith("numbers") else paper_tables
+    table: Table = getattr(makers, name)(campaign)
     file = figures / f"{name}.csv"
     content, sidecar = verified(file)
     if content != table.csv():

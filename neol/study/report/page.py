@@ -66,7 +66,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     configuration = campaign.configuration
     judged = _judged(figures)
     budget = configuration.budget
-    tables = [_table(campaign, figures, each) for each in exhibits(budget, "tables")]
+    tables = [_table(campaign, figures, each) for each in exhibits(budget, "tables", "numbers")]
     paper_figures = [_figure(figures, each) for each in exhibits(budget, "figures")]
     beyond = [_figure(figures, each) for each in exhibits(budget, "beyond")]
     displayed = [*tables, *paper_figures, *beyond]

@@ -158,7 +158,7 @@ def _notes(tables: Iterable[Table]) -> str:
     whose: dict[str, list[str]] = {}
     for table in tables:
         for note in table.notes:
-            if note not in paper_numbers.CONTRADICTIONS.get(table.number, ()):
+            if note not in paper_numbers.CONTRADICTIONS.get(int(table.number), ()):
                 whose.setdefault(note, []).append(str(table.number))
     return " ".join(
         escape(f"Table{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {note}")

@@ -242,7 +242,8 @@ def _table(
         if place[1] in methods
     }
     return Table(
-        number=number,
+        name=f"table{number}",
+        number=str(number),
         caption=f"{title} {describe_budget(configuration)}",
         columns=columns,
         lines=tuple(lines),

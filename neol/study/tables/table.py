@@ -36,8 +36,10 @@ class Line(NamedTuple):
 class Table:
     """A table of the paper, made from a campaign's records. A notebook shows it as HTML."""
 
-    number: int
-    """In the paper."""
+    name: str
+    """The stem of its files: table1."""
+    number: str
+    """That it has in print: 1, as in the paper; 1a for what the paper has not."""
     caption: str
     columns: tuple[str, ...]
     lines: tuple[Line, ...]
@@ -48,11 +50,6 @@ class Table:
     configuration: Configuration
     sources: tuple[Source, ...]
     """The records behind it."""
-
-    @property
-    def name(self) -> str:
-        """The stem of its files: table1."""
-        return f"table{self.number}"
 
     def write(self, folder: Path) -> None:
         """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""

@@ -16,7 +16,7 @@ from neol.study.campaign.grid import blocks
 from neol.study.campaign.variants import trials, variants
 from neol.study.outcomes.chosen_cells import candidates
 
-Target = Literal["tables", "figures", "claims", "beyond"]
+Target = Literal["tables", "numbers", "figures", "claims", "beyond"]
 GRID = "grid"
 """Name of the records of all cells."""
 TRIALS = "sensitivity study"
@@ -33,6 +33,7 @@ class Group:
 
 
 TABLES = Group("tables", "Tables", ("tex", "csv", "json"))
+NUMBERS = Group("numbers", "Beside the paper's numbers", ("tex", "csv", "json"))
 FIGURES = Group("figures", "Figures", ("pdf", "png", "json"))
 CLAIMS = Group("claims", "Claims", ("tex", "csv", "json", "md"))
 BEYOND = Group("beyond", "Beyond the paper", ("pdf", "png", "json", "csv"))
@@ -86,6 +87,15 @@ EXHIBITS = (
         "without weight mutation."),
     Exhibit("table8", TABLES, "ablation", reads="score",
         caption="Table 8: the ablation, SCORE against NEAT without weight mutation."),
+    Exhibit("numbers1", NUMBERS, "agreement", reads="table3",
+        caption="Table 1's numbers here and in the paper: differences with intervals, and which "
+        "cannot be of one distribution."),
+    Exhibit("numbers2", NUMBERS, "agreement", reads="score",
+        caption="Table 2's numbers here and in the paper."),
+    Exhibit("numbers7", NUMBERS, "agreement", reads="table4",
+        caption="Table 7's numbers here and in the paper."),
+    Exhibit("numbers8", NUMBERS, "agreement", reads="score",
+        caption="Table 8's numbers here and in the paper."),
     Exhibit("figure2", FIGURES, "convergence", reads="table3",
         caption="Figure 2: best fitness over generations and its final values, the three rules "
         "and NEAT."),

@@ -12,6 +12,7 @@ from neol.study.outcomes.contrasts import (
     correlation,
     difference,
     paired,
+    sd_p,
     sd_ratio,
 )
 
@@ -83,3 +84,15 @@ def test_too_few_runs_give_no_interval(runs: list[float]) -> None:
 def test_a_difference_may_be_given() -> None:
     """With 10 degrees of freedom 2.228 standard errors either way."""
     assert Difference(1.0, 2.0, 10).interval() == pytest.approx((1 - 4.456, 1 + 4.456), abs=1e-3)
+
+
+def test_deviations_that_differ_by_f() -> None:
+    """Where the interval of the ratio touches 1 at a level, the p-value is one minus it."""
+    first, second = Moments.of(FIRST), Moments.of(SECOND)
+    p = sd_p(first, second)
+    at_level = sd_ratio(first, second, 1 - p)
+    assert pytest.approx(at_level.high) == 1 or pytest.approx(at_level.low) == 1
+    assert sd_p(second, first) == pytest.approx(p)
+    assert sd_p(Moments(10, 1.0, 0.0), second) == 0
+    assert sd_p(Moments(10, 1.0, 0.0), Moments(30, 2.0, 0.0)) == 1
+    assert math.isnan(sd_p(Moments.of([1.0]), second))

@@ -23,7 +23,7 @@ from neol.study.outcomes.outcomes import gather
 from neol.study.output.sidecar import write_sidecar
 from neol.study.report.page import page
 from neol.study.report.showcase import Showcase, Shown, best_champion
-from neol.study.tables import paper_tables
+from neol.study.tables import agreement, paper_tables
 from neol.study.workflow.exhibits import exhibits
 from tests.helpers.made_up import configuration, write_campaign
 
@@ -56,6 +56,8 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
     sources = campaign.sources(cells(campaign.configuration))
     for number in range(1, 9):
         getattr(paper_tables, f"table{number}")(campaign).write(folder)
+    for number in (1, 2, 7, 8):
+        getattr(agreement, f"numbers{number}")(campaign).write(folder)
     for each in exhibits(campaign.configuration.budget, "figures", "beyond"):
         picture = folder / f"{each.name}.png"
         Image.new("L", (900, 300), 128).save(picture)

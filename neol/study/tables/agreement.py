@@ -1,0 +1,158 @@
+"""The paper's printed numbers beside ours, and where both cannot be of one distribution.
+
+A mean is compared by Welch's interval, a standard deviation by F; the paper's side is what it
+prints, of its 30 seeds. The tests of a table are corrected for their number (Holm).
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from neol.pictures.labels import method_label, task_label, three_figures
+from neol.study.campaign.methods import challengers
+from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.chosen_cells import SETTINGS, candidates
+from neol.study.outcomes.contrasts import Moments, difference, sd_p, sd_ratio
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS
+from neol.study.outcomes.statistics import ALPHA, holm
+from neol.study.output.captions import describe_budget, describe_samples
+from neol.study.tables import formats
+from neol.study.tables.summary import OursAndPapers, compare
+from neol.study.tables.table import Entry, Line, Table
+
+COLUMNS = (
+    "Here",
+    "Paper",
+    "Here - paper [95%]",
+    "SD here / paper [95%]",
+    "Not of one distribution",
+)
+
+
+def numbers1(campaign: Campaign) -> Table:
+    """Table 1's numbers."""
+    return _agreement(
+        1, campaign, "table3", SETTINGS["table3"].methods(campaign.configuration.budget)
+    )
+
+
+def numbers2(campaign: Campaign) -> Table:
+    """Table 2's numbers."""
+    return _agreement(2, campaign, "score", (*challengers(campaign.configuration.budget), "neat"))
+
+
+def numbers7(campaign: Campaign) -> Table:
+    """Table 7's numbers."""
+    return _agreement(
+        7, campaign, "table4", SETTINGS["table4"].methods(campaign.configuration.budget)
+    )
+
+
+def numbers8(campaign: Campaign) -> Table:
+    """Table 8's numbers."""
+    return _agreement(
+        8, campaign, "score", (*challengers(campaign.configuration.budget), "neat_wo")
+    )
+
+
+def differing(table: Table) -> str:
+    """Which of a table's numbers cannot be of one distribution with the paper's, in a sentence."""
+    frame = table.frame
+    compared = int(frame[["p_mean", "p_sd"]].notna().sum().sum())
+    apart = {what: frame["differs"].str.contains(what).sum() for what in ("mean", "SD")}
+    return (
+        f"Of {compared} numbers {apart['mean']} means and {apart['SD']} standard deviations "
+        "cannot be of one distribution with the paper's."
+    )
+
+
+def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[str]) -> Table:
+    compared = compare(campaign, setting, number, methods)
+    frame = pd.DataFrame([_row(each) for each in compared])
+    tests = holm([*frame["p_mean"], *frame["p_sd"]]).reshape(2, -1)
+    frame["p_mean_holm"], frame["p_sd_holm"] = tests
+    frame["differs"] = [
+        " and ".join(what for what, p in zip(("mean", "SD"), both, strict=True) if p < ALPHA)
+        for both in tests.T
+    ]
+    marks = formats.marks(frame["incomplete"])
+    number_format, outcome = formats.fitness, "best final-generation fitness"
+    if setting == "score":
+        number_format, outcome = formats.score, f"SCORE, with M = {describe_samples(campaign)}"
+    lines = [
+        Line(
+            f"{task_label(each.task)}, {method_label(each.method)}",
+            (
+                formats.marked(
+                    number_format(each.here),
+                    marks.get(each.here.incomplete),
+                    near_control=each.here.near_control,
+                ),
+                number_format(each.paper),
+                _interval(row["difference"], row["low"], row["high"]),
+                _interval(row["sd_ratio"], row["sd_low"], row["sd_high"]),
+                Entry(row["differs"], "best"),
+            ),
+            is_paper=False,
+        )
+        for each, row in zip(compared, frame.to_dict("records"), strict=True)
+    ]
+    among = [cell for some in candidates(campaign.configuration, setting).values() for cell in some]
+    little = [f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}."] if frame["near_control"].any() else []
+    return Table(
+        name=f"numbers{number}",
+        number=f"{number}a",
+        caption=(
+            f"The numbers of the paper's Table {number} ({outcome}) beside ours: the "
+            "difference of means with Welch's interval, and the ratio of standard deviations with "
+            "that of F, which takes outcomes to be normal. The last column says what differs at "
+            f"{ALPHA} after Holm's correction over this table. "
+            f"{describe_budget(campaign.configuration)}"
+        ),
+        columns=COLUMNS,
+        lines=tuple(lines),
+        notes=(*(f"{mark} {reason}." for reason, mark in marks.items()), *little),
+        frame=frame,
+        configuration=campaign.configuration,
+        sources=campaign.sources(cell for cell in among if cell.method in methods),
+    )
+
+
+def _row(each: OursAndPapers) -> dict[str, object]:
+    """A method on a task: both sides' numbers and what lies between them."""
+    here = Moments(each.here.seeds, each.here.mean, each.here.sd)
+    paper = Moments(PAPER_SEEDS, each.paper.mean, each.paper.sd)
+    gap, ratio = difference(here, paper), sd_ratio(here, paper)
+    low, high = gap.interval()
+    return {
+        "task": each.task,
+        "method": each.method,
+        "population": each.here.population,
+        "learning_rate": each.here.learning_rate,
+        "seeds": each.here.seeds,
+        "mean": here.mean,
+        "sd": here.sd,
+        "paper_mean": paper.mean,
+        "paper_sd": paper.sd,
+        "difference": gap.value,
+        "low": low,
+        "high": high,
+        "p_mean": gap.p(),
+        "sd_ratio": ratio.value,
+        "sd_low": ratio.low,
+        "sd_high": ratio.high,
+        "p_sd": sd_p(here, paper),
+        "near_control": each.here.near_control,
+        "incomplete": each.here.incomplete,
+    }
+
+
+def _interval(value: float, low: float, high: float) -> Entry:
+    if math.isnan(value):
+        return Entry(formats.NOTHING)
+    if np.isnan([low, high]).any():
+        return Entry(three_figures(value))
+    return Entry(f"{three_figures(value)} [{three_figures(low)}, {three_figures(high)}]")
