@@ -76,11 +76,10 @@ def checkout(*further: str) -> tuple[str | None, bool | None]:
     As they were at the first call of the process, which is for the first run to make when it
     begins: a run takes hours, and what is committed or edited meanwhile is not what it runs.
     """
-    root = this_package().parent
     try:
-        _git(root, "ls-files", "--error-unmatch", "neol/run/provenance.py")
-        commit = _git(root, "rev-parse", "HEAD")
-        changes = _git(root, "status", "--porcelain", "--", *CODE, *further)
+        git("ls-files", "--error-unmatch", "neol/run/provenance.py")
+        commit = git("rev-parse", "HEAD")
+        changes = git("status", "--porcelain", "--", *CODE, *further)
     except (OSError, subprocess.CalledProcessError):
         return None, None
     return commit, bool(changes)
@@ -104,8 +103,12 @@ def refuse_another_package() -> None:
         )
 
 
-def _git(root: Path, *arguments: str) -> str:
-    command = ["git", "-C", str(root), *arguments]
+def git(*arguments: str) -> str:
+    """What git says of the checkout that this package lies in.
+
+    Raises OSError or subprocess.CalledProcessError where there is no git or no checkout.
+    """
+    command = ["git", "-C", str(this_package().parent), *arguments]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
 
 

@@ -14,7 +14,7 @@ from neol.neat.genome import CONNECTION, NODE, Genome
 from neol.run.evolution import COLUMNS, Generation
 from neol.run.provenance import Provenance
 from neol.spec.run_spec import RunSpec
-from neol.spec.types import Model
+from neol.spec.types import Model, Name, NonNegativeFloat, Sha256
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,16 +75,16 @@ class SeedInfo(Model):
     """What a record knows of one run beside its rows."""
 
     seed: int
-    digest: str
+    digest: Sha256
     """Of the trajectory: every generation's networks, returns and steps; no time, no host."""
     inputs: int
     outputs: int
     champion: Champion
     held_out: HeldOut
-    engine: str
+    engine: Name
     """Which engine played the episodes; all return the same bits."""
-    wall_seconds: float
-    cpu_seconds: float
+    wall_seconds: NonNegativeFloat
+    cpu_seconds: NonNegativeFloat
     """Of the process and its threads, not of worker processes."""
     provenance: Provenance
 

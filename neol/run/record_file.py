@@ -23,7 +23,7 @@ from neol.run.record import SCHEMA, Record, SeedInfo, column_values
 from neol.spec.readings import FIRST_READING
 from neol.spec.run_spec import RunSpec, canonical_json, complete
 from neol.spec.sources import by_dotted_key
-from neol.spec.types import Model
+from neol.spec.types import Label, Model, Name
 
 SCHEMA_VERSION = 1
 MAX_RECORD_BYTES = 2**28
@@ -38,8 +38,8 @@ class RecordMetadata(Model):
     """The resolved `RunSpec` without its seed."""
     spec_digest: str
     """SHA-256 in hex of that as canonical JSON."""
-    budget: str | None
-    reading: str | None = FIRST_READING
+    budget: Name | None
+    reading: Label | None = FIRST_READING
     """Left out by records that are older than readings."""
     seeds: tuple[SeedInfo, ...]
 

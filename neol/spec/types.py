@@ -41,6 +41,7 @@ Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 PositiveFloat = Annotated[float, Field(gt=0)]
 NonNegativeFloat = Annotated[float, Field(ge=0)]
 PopulationSize = Annotated[int, Field(ge=2, le=100_000)]  # a typing error must not fill the memory
+Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 Text = Annotated[str, Field(min_length=1)]
 Item = TypeVar("Item")
 

@@ -100,7 +100,7 @@ def run(
         outputs=1,
         champion=Champion.of(genome),
         held_out=HeldOut.of(np.full(spec.evaluation.held_out_episodes, final_best - 1)),
-        engine="made up",
+        engine="made_up",
         wall_seconds=0.0,
         cpu_seconds=0.0,
         provenance=provenance(),

@@ -70,7 +70,7 @@ def test_stopped_after_any_generation_resumes_exactly(
 
 def test_the_commit_is_that_which_the_run_began_with(monkeypatch: pytest.MonkeyPatch) -> None:
     answers = {"rev-parse": "before", "status": ""}
-    monkeypatch.setattr(provenance, "_git", lambda _root, command, *_: answers.get(command, ""))
+    monkeypatch.setattr(provenance, "git", lambda command, *_: answers.get(command, ""))
     monkeypatch.setattr(runner, "checkout", cache(runner.checkout.__wrapped__))
     monkeypatch.setattr(provenance, "checkout", runner.checkout)
 

@@ -3,23 +3,21 @@
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator
-from functools import cache, partial
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import AfterValidator, ValidationError
 from pydantic_core import PydanticCustomError
 
 from neol.base.errors import UserError, one_line
-from neol.base.files import files_below, read_bounded, write_atomically
+from neol.base.files import read_bounded, write_atomically
 from neol.run.record import Record, campaign_name
-from neol.run.record_file import MAX_RECORD_BYTES, first_difference, parse_record, records_below
-from neol.spec.configuration import load_configuration
+from neol.run.record_file import MAX_RECORD_BYTES, parse_record, records_below
+from neol.spec.configuration import ROOT, load_configuration
 from neol.spec.readings import FIRST_READING
-from neol.spec.types import Model
+from neol.spec.types import Model, Sha256
 from neol.study.campaign.grid import RESULTS
-from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
+from neol.study.campaign.jobs import Job, jobs
 from neol.study.campaign.shown import chosen_tasks, select
 
 NAME = "manifest.json"
@@ -31,9 +29,6 @@ def _below(path: str) -> str:
     if not parts or parts[0] == "/" or ".." in parts:
         raise PydanticCustomError("below", "must be a path below the manifest's folder")
     return path
-
-
-Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
 class ManifestEntry(Model):
@@ -102,6 +97,9 @@ def write_manifest(folder: Path, tasks: str = "") -> Manifest:
     Raises UserError for a record that is not whole, of another budget than the first, or none
     that these tasks have there; and for a task that the budget does not have.
     """
+    governing = governing_folder(absolute(folder))
+    if governing is not None:
+        raise UserError(f"{folder}: {governing / NAME} speaks for it; write that one anew")
     manifest = _manifest_of(folder)
     campaign = manifest.campaign
     jobs_of_campaign = records_of(campaign)
@@ -126,6 +124,21 @@ def write_manifest(folder: Path, tasks: str = "") -> Manifest:
     return manifest
 
 
+def governing_folder(path: Path) -> Path | None:
+    """The folder whose manifest speaks for an absolute path: the outermost above it.
+
+    A manifest speaks for all that lies beneath it, also for other manifests; so nothing that is
+    added below switches it off. Nothing above the root of this checkout counts.
+    """
+    governing = None
+    for folder in path.parents:
+        if (folder / NAME).exists():
+            governing = folder
+        if folder == ROOT:
+            break
+    return governing
+
+
 def read_manifest(folder: Path) -> Manifest:
     """The manifest of a folder. Raises UserError where there is none or it is damaged."""
     path = folder / NAME
@@ -138,6 +151,11 @@ def read_manifest(folder: Path) -> Manifest:
     if paths != sorted(set(paths)):
         raise UserError(f"{path}: damaged: not sorted, or a record twice; {way_out}")
     return manifest
+
+
+def absolute(path: Path) -> Path:
+    """From the root on, so that a result does not depend on the folder one stands in."""
+    return Path(os.path.abspath(path))  # noqa: PTH100  (without following links, as resolve does)
 
 
 def _manifest_of(folder: Path) -> Manifest:
@@ -165,119 +183,3 @@ def _text(manifest: Manifest) -> str:
     head = json.dumps(about)[:-1]
     entries = ",\n".join(json.dumps(entry.model_dump(mode="json")) for entry in manifest.records)
     return f'{head}, "records": [\n{entries}\n]}}\n'
-
-
-def absolute(path: Path) -> Path:
-    """From the root on, so that a result does not depend on the folder one stands in."""
-    return Path(os.path.abspath(path))  # noqa: PTH100  (without following links, as resolve does)
-
-
-class Campaigns:
-    """What the budgets of `config/` have under its readings, each listed once."""
-
-    def __init__(self) -> None:
-        self._jobs = cache(records_of)
-
-    def jobs(self, campaign: str | None) -> dict[str, Job]:
-        """The records of a campaign, by path below its folder; none for one that is not known."""
-        return self._jobs(campaign)
-
-    def cells(self, campaign: str | None) -> list[str]:
-        """Those of its cells, its sensitivity study left out."""
-        return [name for name, job in self.jobs(campaign).items() if job.part != SENSITIVITY]
-
-
-class ManifestFolder:
-    """A folder with a manifest, and what should lie in it."""
-
-    def __init__(self, folder: Path, campaigns: Campaigns) -> None:
-        self.folder = folder
-        self.damage: str | None = None
-        """What is wrong with the manifest itself; nothing else is then known."""
-        self._manifest = Manifest(budget=None, records=())
-        self._campaigns = campaigns
-        path = folder / NAME
-        try:
-            self._manifest = read_manifest(folder)
-        except UserError as error:
-            self.damage = str(error).removeprefix(f"{path}: ")
-        self.campaign = self._manifest.campaign
-        self._entries = {entry.path: entry for entry in self._manifest.records}
-
-    def problems(self, path: Path, content: bytes, record: Record) -> Iterator[str]:
-        """What is wrong with the place here of a record, read from this content."""
-        if self.damage:
-            return
-        now = ManifestEntry.of(path.relative_to(self.folder).as_posix(), content, record)
-        entry = self._entries.get(now.path)
-        if entry is None:
-            twin = [other.path for other in self._entries.values() if other.sha256 == now.sha256]
-            moved = f" but as {twin[0]}: moved or copied" if twin else ""
-            yield f"not in {NAME}{moved}"
-        elif entry.sha256 != now.sha256:
-            yield f"its SHA-256 is not that in {NAME}: changed or exchanged since"
-        else:
-            for name, stored in entry:
-                if stored != getattr(now, name):
-                    yield f"{name} in {NAME} is another: the manifest was edited"
-        yield from self._misplaced(record, now)
-
-    def missing(self, there: Iterable[Path]) -> Iterator[tuple[Path, str]]:
-        """Records that are not there, and how that is known."""
-        there = set(there)
-        for name in self._entries:
-            if self.folder / name not in there:
-                meaning = f"missing, {NAME} names it; restore it or run anew"
-                yield self.folder / name, meaning
-        for name in self._all_or_nothing():
-            if name not in self._entries and self.folder / name not in there:
-                meaning = f"missing, and {NAME} leaves it out, but {self.campaign} "
-                meaning += "has it: dropped, or not yet run by then"
-                yield self.folder / name, meaning
-
-    def _all_or_nothing(self) -> Iterator[str]:
-        """The records that must be there: a sensitivity study may be left out as a whole."""
-        jobs = self._campaigns.jobs(self.campaign)
-        cells = self._campaigns.cells(self.campaign)
-        must = jobs if self._entries.keys() & (jobs.keys() - cells) else cells
-        return (name for name in must if self._manifest.covers(jobs[name]))
-
-    def _misplaced(self, record: Record, entry: ManifestEntry) -> Iterator[str]:
-        """Whether it is the record that its campaign has in this place."""
-        jobs = self._campaigns.jobs(self.campaign)
-        if record.campaign != self.campaign:
-            yield f"of {record.campaign}, its folder is of {self.campaign}"
-        elif jobs:
-            job = jobs.get(entry.path)
-            if job is None:
-                yield f"{self.campaign} has no record of this name"
-                return
-            if not self._manifest.covers(job):
-                tasks = ", ".join(self._manifest.tasks)
-                yield f"of task {job.spec.task.name}, {NAME} speaks for {tasks} alone"
-            if difference := first_difference(record.spec.without_seed(), job.spec):
-                yield f"not what {self.campaign} has here: {difference}"
-            if entry.seeds != tuple(job.seeds):
-                there = f"{job.seeds[0]} to {job.seeds[-1]}"
-                yield f"holds seeds {list(entry.seeds)}, here belong {there}"
-
-
-class ManifestFolders:
-    """The folders with a manifest at, above and below absolute paths, each read once."""
-
-    def __init__(self, campaigns: Campaigns) -> None:
-        self._folder = cache(partial(ManifestFolder, campaigns=campaigns))
-
-    def above(self, path: Path) -> ManifestFolder | None:
-        """The nearest above a path."""
-        for folder in path.parents:
-            if (folder / NAME).exists():
-                return self._folder(folder)
-        return None
-
-    def around(self, path: Path) -> list[ManifestFolder]:
-        """Those at and below a path and the nearest above it."""
-        above = self.above(path)
-        manifests = files_below(path, NAME) if path.is_dir() else ()
-        below = [self._folder(each.parent) for each in manifests]
-        return below + ([above] if above else [])

@@ -1,11 +1,12 @@
 """A small campaign to verify, and its manifest."""
 
+import contextlib
 import dataclasses
 import hashlib
 import json
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
 from unittest import mock
 
 from neol.base.errors import UserError
@@ -18,7 +19,7 @@ from neol.study.campaign.jobs import Job, jobs
 from neol.study.verification.manifest import NAME, ManifestEntry, write_manifest
 
 MADE_BY = Provenance(
-    versions=dict.fromkeys(("python", "numpy", "numba", "neol"), "1.0"),
+    versions=dict.fromkeys(("python", "numpy", "numba", "gymnasium", "neol"), "1.0"),
     commit="0123456789abcdef",
     dirty=False,
     host="here",
@@ -53,15 +54,20 @@ def make_campaign(folder: Path) -> None:
     write_manifest(folder)
 
 
-def patch_budget(*more: str) -> Any:
+@contextlib.contextmanager
+def patch_budget(*more: str) -> Iterator[None]:
     """Let the budget be these three records, a study of two trials and what is named.
 
-    A context manager.
+    And let runs be made by `MADE_BY`, whose commit is in the history.
     """
-    return mock.patch(
-        "neol.study.verification.manifest.jobs",
+    verification = "neol.study.verification"
+    jobs_of = mock.patch(
+        f"{verification}.manifest.jobs",
         lambda asked: _few(asked.budget.name, asked.reading, more),
     )
+    history = mock.patch(f"{verification}.history.ancestors", lambda: {MADE_BY.commit})
+    with jobs_of, history, mock.patch("neol.run.runner.provenance", return_value=MADE_BY):
+        yield
 
 
 @cache

@@ -10,14 +10,13 @@ import tempfile
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from unittest import mock
 
 import pytest
 
 from neol.spec.configuration import ROOT
 from tests.helpers.command import neol
 from tests.run.test_digests import SAME_LAST_BITS
-from tests.study.verification.campaign import MADE_BY, OJA, make_campaign, patch_budget
+from tests.study.verification.campaign import OJA, make_campaign, patch_budget
 from tests.study.verification.planted import PLANTS
 from tests.study.verification.planted.plant import Plant
 
@@ -40,9 +39,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 @contextlib.contextmanager
 def _campaign(parent: Path) -> Iterator[Path]:
     """A small campaign, from a machine that is always the same."""
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(mock.patch("neol.run.runner.provenance", return_value=MADE_BY))
-        stack.enter_context(patch_budget())
+    with patch_budget():
         make_campaign(parent / "original")
         yield parent / "original"
 

@@ -14,6 +14,7 @@ from neol.spec.observations import size_of
 from neol.study.campaign.jobs import jobs
 from neol.study.verification.manifest import NAME, read_manifest, write_manifest
 from neol.study.verification.replays import Replay, Run, draw
+from neol.study.verification.returns import Returns, returns_of
 from tests.helpers.command import neol
 from tests.helpers.damage import Json, forge_record
 from tests.study.verification.campaign import (
@@ -31,8 +32,8 @@ from tests.study.verification.planted.contents import seal_spec
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("results") / "smoke"
-    make_campaign(folder)
     with patch_budget():
+        make_campaign(folder)
         yield folder
 
 
@@ -43,7 +44,8 @@ def test_draws_are_the_seeds_and_never_repeat() -> None:
     assert draw(runs, 1000, 1) == runs
 
 
-def test_the_manifest_is_the_same_each_time(campaign: Path) -> None:
+def test_the_manifest_is_the_same_each_time(campaign: Path, tmp_path: Path) -> None:
+    campaign = shutil.copytree(campaign, tmp_path / "smoke")
     before = (campaign / NAME).read_bytes()
     (campaign / "x.parquet.partial").mkdir()
     (campaign / "x.parquet.partial" / "seed_000000.parquet").write_bytes(b"in progress")
@@ -242,3 +244,24 @@ def test_where_there_is_nothing_to_check_the_input_is_wrong(tmp_path: Path) -> N
         outcome = neol("verify", path)
         assert outcome.exit_code == 2
         assert outcome.stderr.startswith(f"neol: {path}: ")
+
+
+def test_no_manifest_is_written_below_another(campaign: Path) -> None:
+    outcome = neol("manifest", campaign / "cartpole")
+    assert outcome.exit_code == 2
+    assert f"{campaign / NAME} speaks for it" in outcome.stderr
+
+
+def test_without_a_history_commits_are_not_looked_up_and_that_is_said(
+    campaign: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("neol.study.verification.history.ancestors", lambda: None)
+    outcome = neol("verify", campaign)
+    assert outcome.exit_code == 0
+    assert "commits not looked up: no whole history is here" in outcome.stdout
+
+
+def test_what_an_episode_returns_is_bounded_in_all_of_the_papers_environments() -> None:
+    for task in load_configuration("paper").tasks.values():
+        assert returns_of(task) is not None
+    assert returns_of(load_configuration("smoke").tasks["cartpole"]) == Returns(1.0, 200.0, 1.0)

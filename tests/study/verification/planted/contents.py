@@ -57,6 +57,31 @@ def exchanged_fitness(_: Json, rows: Json) -> None:
         column[0], column[3] = column[3], column[0]
 
 
+def all_fitness(change: Callable[[float], float]) -> Change:
+    """Change the best and mean fitness of seed 1 in all generations, and its champion's."""
+
+    def do(metadata: Json, rows: Json) -> None:
+        for name in ("best_fitness", "mean_fitness"):
+            rows[name][3:6] = map(change, rows[name][3:6])
+        metadata["seeds"][1]["champion"]["fitness"] = rows["best_fitness"][5]
+
+    return do
+
+
+def copied_rows(metadata: Json, rows: Json) -> None:
+    """Seed 1 gets the rows of seed 0, with champion and digest."""
+    for name, column in rows.items():
+        if name != "seed":
+            column[3:6] = column[0:3]
+    one, other = metadata["seeds"][:2]
+    other["champion"], other["digest"] = one["champion"], one["digest"]
+
+
+def made(**changes: object) -> Change:
+    """Change the provenance of seed 1."""
+    return of_seed(lambda info: info["provenance"].update(changes))
+
+
 def reordered_rows(_: Json, rows: Json) -> None:
     for column in rows.values():
         column[3], column[4] = column[4], column[3]
@@ -199,7 +224,11 @@ CONTENTS = [
     Plant("a seed twice in the metadata", edit(doubled_seed)),
     Plant("a seed renamed to one that does not belong there", edit(renamed_seed)),
     Plant("two seeds swapped, rows and metadata", edit(swapped_seeds), FIRST),
-    Plant("two seeds' first fitness exchanged", edit(exchanged_fitness), FIRST),
+    Plant("two seeds' first fitness exchanged", edit(exchanged_fitness)),
+    Plant("a seed's rows, champion and digest copied over another's", edit(copied_rows)),
+    Plant("10,000 more in all generations", edit(all_fitness(lambda old: old + 10_000))),
+    Plant("five more in all generations", edit(all_fitness(lambda old: old + 5))),
+    Plant("half a return more in all generations", edit(all_fitness(lambda old: old + 0.5))),
     Plant("NaN in a column", edit(row("mean_fitness", lambda _: float("nan")))),
     Plant("infinity in a column", edit(row("best_fitness", lambda _: float("inf")))),
     Plant("best fitness below the mean", edit(row("best_fitness", lambda _: 0.0))),
@@ -208,7 +237,7 @@ CONTENTS = [
     Plant("the last bit of a mean", edit(row("mean_fitness", last_bit)), FIRST),
     Plant("evaluations edited", edit(row("evaluations", lambda old: old - 1))),
     Plant("environment steps that go back", edit(row("env_steps", lambda _: 3))),
-    Plant("environment steps edited plausibly", edit(row("env_steps", lambda old: old + 1)), FIRST),
+    Plant("environment steps edited plausibly", edit(row("env_steps", lambda old: old + 1))),
     Plant("more species than genomes", edit(row("species", lambda _: 7))),
     Plant("species edited plausibly", edit(row("species", lambda _: 2)), FIRST),
     Plant("fewer nodes than outputs", edit(row("nodes_best", lambda _: 1))),
@@ -228,6 +257,7 @@ CONTENTS = [
     Plant("the last generation dropped, under a budget of steps", edit(cut_short)),
     Plant("marked as of another environment", edit(relabelled)),
     Plant("weights that change without a rule", edit(learning_without_rule, NEAT)),
+    Plant("the last row's network sizes", edit(row("nodes_best", lambda old: old + 1, 3))),
     Plant("a run's number of inputs", edit(of_seed(lambda i: i.update(inputs=3)))),
     Plant("a held-out return lost", edit(of_seed(lambda i: i["held_out"]["returns"].pop()))),
     Plant(
@@ -240,9 +270,24 @@ CONTENTS = [
         CHAMPIONS,
     ),
     Plant(
+        "a held-out return that no episode has, with mean and spread",
+        edit(of_seed(lambda i: set_held_out(i, [777.0, *i["held_out"]["returns"][1:]]))),
+    ),
+    Plant(
+        "a fraction of a step's reward, with mean and spread",
+        edit(of_seed(lambda i: set_held_out(i, [20.5, *i["held_out"]["returns"][1:]]))),
+    ),
+    Plant(
         "held-out returns exchanged",
         edit(of_seed(lambda i: set_held_out(i, i["held_out"]["returns"][::-1]))),
         CHAMPIONS,
     ),
     Plant("a trajectory's digest", edit(of_seed(lambda i: i.update(digest="0" * 64))), ALL),
+    Plant("a digest that is none", edit(of_seed(lambda i: i.update(digest="hello")))),
+    Plant("negative CPU time", edit(of_seed(lambda i: i.update(cpu_seconds=-1.0)))),
+    Plant("a time that is none", edit(made(time="yesterday"))),
+    Plant("no versions", edit(made(versions={}))),
+    Plant("a commit that is in no history", edit(made(commit="f" * 40))),
+    Plant("no commit", edit(made(commit=None, dirty=None))),
+    Plant("code that differs from its commit", edit(made(dirty=True))),
 ]

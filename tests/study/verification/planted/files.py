@@ -1,5 +1,6 @@
 """Files of a budget's folder: lost, moved, exchanged, or of other runs."""
 
+import json
 import os
 import shutil
 from collections.abc import Callable
@@ -8,8 +9,10 @@ from typing import Any
 
 from neol.run.record_file import read_record
 from neol.run.runner import run_block
-from neol.study.verification.manifest import write_manifest
+from neol.study.verification.manifest import NAME, ManifestEntry, write_manifest
+from tests.helpers.damage import forge_record
 from tests.study.verification.campaign import HEBB, OJA, update_manifest
+from tests.study.verification.planted.contents import plausible_fitness
 from tests.study.verification.planted.plant import Plant
 
 
@@ -70,6 +73,26 @@ def folder_for_file(folder: Path) -> None:
     (folder / OJA).mkdir()
 
 
+def second_manifest(folder: Path) -> None:
+    """An edited record, and beside it a manifest that says so; the real one stays as it was."""
+    forge_record(folder / OJA, plausible_fitness)
+    below = folder / "cartpole" / "oja"
+    content = json.loads((folder / NAME).read_text())
+    record = read_record(folder / OJA)
+    name = (folder / OJA).relative_to(below).as_posix()
+    entry = ManifestEntry.of(name, (folder / OJA).read_bytes(), record)
+    content["records"] = [entry.model_dump(mode="json")]
+    (below / NAME).write_text(json.dumps(content | {"budget": None}))
+
+
+def other_campaign(folder: Path) -> None:
+    """The whole folder, of budget smoke as its manifest says, as results/first/demo."""
+    target = folder / "results" / "first" / "demo"
+    target.mkdir(parents=True)
+    for part in ("cartpole", NAME):
+        (folder / part).rename(target / part)
+
+
 FILES = [
     Plant("a record removed", lambda folder: (folder / OJA).unlink()),
     Plant("a record renamed", move("cartpole/oja/p006_lr0.25/seeds_000-003.parquet")),
@@ -78,6 +101,10 @@ FILES = [
     Plant("two records exchanged", exchange),
     Plant("a folder in a record's place", folder_for_file),
     Plant("a pipe in a record's place", pipe),
+    Plant("a second manifest in a folder below, of an edited record", second_manifest),
+    Plant("a file that is no record", lambda folder: (folder / "notes.txt").touch()),
+    Plant("a run that has not ended", lambda folder: (folder / f"{HEBB}.partial").mkdir()),
+    Plant("records in the folder of another budget", other_campaign),
     Plant("a record dropped, manifest made anew", dropped),
     Plant("another cell's record, manifest made anew", impostor),
     Plant("a record of no known name, manifest made anew", stranger),
