@@ -14,6 +14,7 @@ from neol.spec.readings import with_changes
 from neol.study.campaign.cost import walltime_minutes
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import SENSITIVITY, jobs
+from neol.study.campaign.multiverse import BUDGET as MULTIVERSE
 from neol.study.campaign.search import CONFIRMATION, SCREENING
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,

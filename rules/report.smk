@@ -102,12 +102,13 @@ rule results_page:
         "python -m neol.study.report.results {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {params.figures:q} {output.page:q} > {log:q} 2>&1"
 
 
-# It uses the existing records; `make search` makes those of docs/readings-plan.md.
+# It uses the existing records; `make search` and `make multiverse` make those of docs/readings-plan.md. Once there are
+# some of the multiverse, its pictures and numbers are written beside the page.
 rule readings_page:
     input:
         records=[
             str(record)
-            for budget in (SCREENING, CONFIRMATION)
+            for budget in (SCREENING, CONFIRMATION, MULTIVERSE)
             for folder in sorted(Path("results").glob(f"*/{budget}"))
             for record in records_below(folder)
         ],

@@ -7,6 +7,7 @@ of one call of snakemake for each set of constants.
 import itertools
 import json
 from functools import cache
+from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -16,7 +17,7 @@ from neol.spec.configuration import CONFIG, Configuration, load_configuration
 from neol.spec.readings import DEFAULT_READING, with_changes
 from neol.spec.sources import Overlay
 from neol.spec.types import MethodName, Model, Several, Text
-from neol.study.campaign.grid import Block, blocks
+from neol.study.campaign.grid import RESULTS, Block, blocks
 from neol.study.campaign.search import workflow_calls
 
 GRID = CONFIG / "search" / "multiverse.yaml"
@@ -36,8 +37,13 @@ class Choice(Model):
 
 def choices() -> dict[str, Choice]:
     """Return the choices by name. Raises UserError for an invalid file."""
+    return _choices(GRID)
+
+
+@cache
+def _choices(file: Path) -> dict[str, Choice]:
     overlay = Overlay()
-    overlay.add_file(GRID)
+    overlay.add_file(file)
     kind = dict[str, Choice]
     try:
         return TypeAdapter(kind).validate_json(json.dumps(overlay.values))
@@ -74,6 +80,21 @@ def method_blocks(universe: Universe, method: str) -> list[Block]:
     """Return the records of a method's runs under a reading."""
     return [
         block for block in blocks(configuration(universe, method)) if block.cell.method == method
+    ]
+
+
+def complete(task: str, results: Path = RESULTS) -> list[Universe]:
+    """Return the readings under which all runs of a task have their records."""
+    methods = load_configuration(BUDGET).budget.methods
+    return [
+        universe
+        for universe in universes()
+        if all(
+            (results / block.record).exists()
+            for method in methods
+            for block in method_blocks(universe, method)
+            if block.cell.task == task
+        )
     ]
 
 

@@ -7,18 +7,19 @@ arguments of calls of snakemake.
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from neol.base.ending import exit_codes
 from neol.base.errors import UserError
 from neol.base.files import write_atomically
-from neol.pictures.labels import method_label
+from neol.pictures.labels import method_label, task_label
 from neol.pictures.style import write_picture
 from neol.spec.configuration import READINGS, load_configuration
 from neol.spec.readings import DEFAULT_READING, read_reading
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.search import BASELINES, CONFIRMATION, SCREENING, calls, candidates
 from neol.study.outcomes.baselines import (
+    COUNTINGS,
     QUANTITIES,
     comparisons,
     paper_number,
@@ -26,6 +27,7 @@ from neol.study.outcomes.baselines import (
     to_confirm,
 )
 from neol.study.report.common import render
+from neol.study.report.multiverse import Multiverse, picture_name
 from neol.study.report.readings_picture import readings_picture
 
 NUMBERS = [(method, quantity) for method in BASELINES for quantity in QUANTITIES]
@@ -52,19 +54,26 @@ class Stage:
         return list(dict.fromkeys(self.ranked["reading"]))
 
     def numbers(self) -> list[list[str]]:
-        """A head, a row for each complete reading and counting, and the paper's.
+        """A head, a row for each complete reading, the nearest first, and the paper's.
 
-        A row has a distance, and the means of the four numbers, bold where compatible.
+        Each has its distance, and the means of the four numbers, with the best of the generation
+        and so far; bold where compatible.
         """
         rows = {_place(row): row for row in self.table.to_dict("records")}
-        head = ["reading", "best", "distance", "compatible"]
+        ranked = self.ranked.to_dict("records")
+        judged = {(row["reading"], row["counting"]): row for row in ranked}
+        distances = [f"distance, {counting}" for counting in COUNTINGS]
+        head = ["reading", *distances, "compatible"]
         lines = [head + [f"{method_label(method)}, {quantity}" for method, quantity in NUMBERS]]
-        for each in self.ranked.to_dict("records"):
-            numbers = [rows[each["reading"], each["counting"], *number] for number in NUMBERS]
-            verdict = "yes" if each["compatible"] else "no"
-            line = [f"`{each['reading']}`", each["counting"], f"{each['distance']:.1f}", verdict]
-            lines.append([*line, *map(_mean, numbers)])
-        paper = (paper_number(method, quantity) for method, quantity in NUMBERS)
+        for reading in self.complete:
+            distances = [f"{judged[reading, each]['distance']:.1f}" for each in COUNTINGS]
+            fits = [each for each in COUNTINGS if judged[reading, each]["compatible"]]
+            line = [f"`{reading}`", *distances, " and ".join(fits) or "no"]
+            for number in NUMBERS:
+                means = [_mean(rows[reading, counting, *number]) for counting in COUNTINGS]
+                line.append(" / ".join(means))
+            lines.append(line)
+        paper = [paper_number(method, quantity) for method, quantity in NUMBERS]
         return [
             *lines,
             ["the paper", "", "", "", *(f"{mean:.0f} ± {sd:.0f}" for mean, sd in paper)],
@@ -74,6 +83,13 @@ class Stage:
         """The compatible readings, each with its counting, the nearest first."""
         chosen = self.ranked[self.ranked["compatible"]]
         return [f"`{row.reading}` (best {row.counting})" for row in chosen.itertuples()]
+
+    def nearest(self) -> str:
+        """The reading with the smallest distance and what that is; nothing without any."""
+        if self.ranked.empty:
+            return ""
+        row = self.ranked.iloc[0]
+        return f"`{row['reading']}` (best {row['counting']}), {row['distance']:.1f} SDs away"
 
     def unexplained(self) -> list[str]:
         """The paper's numbers that no complete reading is compatible with, by counting."""
@@ -96,8 +112,18 @@ def _mean(number: Mapping[Any, Any]) -> str:
     return f"**{text}**" if number["compatible"] else text
 
 
-def page(results: Path = RESULTS) -> tuple[str, Stage]:
-    """The page as Markdown, and the stage that decides: the confirmation where it has runs."""
+class Page(NamedTuple):
+    """The page as Markdown, and what its pictures show."""
+
+    text: str
+    decisive: Stage
+    """The stage that decides: the confirmation where it has runs."""
+    multiverse: Multiverse
+
+
+def page(results: Path = RESULTS) -> Page:
+    """What the page says of the records that are there."""
+    multiverse = Multiverse(results)
     order = list(candidates())
     screening = Stage(SCREENING, order, results)
     chosen = to_confirm(screening.ranked, DEFAULT_READING)
@@ -110,11 +136,15 @@ def page(results: Path = RESULTS) -> tuple[str, Stage]:
         chosen=[f"`{name}`" for name in chosen],
         decisive=decisive,
         compatible=", ".join(decisive.compatible()),
+        nearest=decisive.nearest(),
         unexplained=decisive.unexplained(),
         not_reached=[f"`{name}`" for name in order if name not in screening.complete],
         readings=[_described(name) for name in order],
+        multiverse=multiverse,
+        picture_name=picture_name,
+        task_label=task_label,
     )
-    return text, decisive
+    return Page(text, decisive, multiverse)
 
 
 def _described(name: str) -> dict[str, Any]:
@@ -123,11 +153,11 @@ def _described(name: str) -> dict[str, Any]:
 
 
 def write_page(output: Path, results: Path = RESULTS) -> None:
-    """Write the page and beside it its picture, of the readings whose runs are all there.
+    """Write the page and beside it its pictures, of the readings whose runs are all there.
 
     Raises UserError where no candidate has all its runs.
     """
-    text, stage = page(results)
+    text, stage, multiverse = page(results)
     if not stage.complete:
         raise UserError(f"{results}: no candidate of the search has all its runs; `make search`")
     nearest = {name: place for place, name in enumerate(stage.complete)}
@@ -135,6 +165,8 @@ def write_page(output: Path, results: Path = RESULTS) -> None:
     drawn = drawn.sort_values("reading", key=lambda names: names.map(nearest), kind="stable")
     write_atomically(output, text.encode())
     write_picture(readings_picture(drawn), output.with_suffix(".png"))
+    if multiverse.tasks:
+        multiverse.write(output.parent)
 
 
 def confirmation_calls(results: Path = RESULTS) -> list[str]:

@@ -1,0 +1,96 @@
+"""The multiverse as docs/readings.md tells it: sentences, a table, pictures and numbers."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from neol.base.files import write_atomically
+from neol.pictures.labels import method_label, task_label
+from neol.pictures.style import write_picture
+from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.multiverse import universes
+from neol.study.outcomes.multiverse import METRICS, Answers, answers, summary
+from neol.study.report.multiverse_picture import specification_curve
+
+HEAD = ["question", "median", "least to greatest", "above", "clearly above", "clearly below"]
+
+
+class Multiverse:
+    """The multiverse's answers in words."""
+
+    def __init__(self, results: Path = RESULTS) -> None:
+        self.answers: Answers = answers(results)
+        self.tasks = [task for task, count in self.answers.readings.items() if count]
+        """Those that have answers."""
+        self.whole = len(universes())
+        """Readings of the grid."""
+
+    def counts(self) -> list[str]:
+        """Say under how many readings a task's questions have answers: 12 of 32 (CartPole)."""
+        there = self.answers.readings
+        return [f"{there[task]} of {self.whole} ({task_label(task)})" for task in self.tasks]
+
+    def findings(self) -> list[tuple[str, list[str]]]:
+        """Group the questions by what holds of their answers under all readings."""
+        kinds: list[tuple[str, Callable[[Any], bool]]] = [
+            ("Distinguishably above under every reading", lambda row: row.clearly_above == 1),
+            (
+                "Above under every reading, distinguishably under some",
+                lambda row: row.above == 1 and 0 < row.clearly_above < 1,
+            ),
+            (
+                "Distinguishably above under some readings and below under others",
+                lambda row: row.clearly_above > 0 and row.clearly_below > 0,
+            ),
+            (
+                "Distinguishably above under some readings, in others on either side",
+                lambda row: row.clearly_above > 0 and row.above < 1 and not row.clearly_below,
+            ),
+            (
+                "Distinguishably below under some readings and above under none",
+                lambda row: row.clearly_below > 0 and not row.clearly_above,
+            ),
+            (
+                "Distinguishable under no reading",
+                lambda row: not row.clearly_above and not row.clearly_below,
+            ),
+        ]
+        rows = list(summary(self.answers.table).itertuples())
+        found = [(name, [_question(row) for row in rows if holds(row)]) for name, holds in kinds]
+        return [(name, questions) for name, questions in found if questions]
+
+    def numbers(self, task: str) -> list[list[str]]:
+        """Return a head, and a row for each question of a task."""
+        table = self.answers.table
+        return [HEAD, *map(_row, summary(table[table["task"] == task]).itertuples())]
+
+    def write(self, folder: Path) -> None:
+        """Write the answers as a CSV, and a task's specification curves as a picture each."""
+        text = self.answers.table.to_csv(index=False, float_format="%.6g", lineterminator="\n")
+        write_atomically(folder / "readings-multiverse.csv", text.encode())
+        for task in self.tasks:
+            picture = specification_curve(self.answers.table, task)
+            write_picture(picture, folder / picture_name(task))
+
+
+def picture_name(task: str) -> str:
+    """The file of a task's specification curves."""
+    return f"readings-multiverse-{task}.png"
+
+
+def _question(row: Any) -> str:
+    return f"{_comparison(row)} on {task_label(row.task)}"
+
+
+def _comparison(row: Any) -> str:
+    against = method_label(row.against)
+    return f"{method_label(row.method)} against {against} in {METRICS[row.metric]}"
+
+
+def _row(row: Any) -> list[str]:
+    digits = 3 if row.metric == "score" else 0
+    least, median, greatest = (
+        f"{value + 0.0:.{digits}f}" for value in (row.least, row.median, row.greatest)
+    )
+    shares = (f"{share:.0%}" for share in (row.above, row.clearly_above, row.clearly_below))
+    return [_comparison(row), median, f"{least} to {greatest}", *shares]
