@@ -1,4 +1,4 @@
-"""How a command ends: one line for a user's error, silence where nobody reads on."""
+"""Endings of a command: one line for a user's error, silence for a broken pipe."""
 
 import contextlib
 import os
@@ -12,12 +12,12 @@ USER_ERROR, BROKEN_PIPE = 2, 141
 
 
 def complain(line: str) -> None:
-    """Say on the console what is wrong, in one line."""
+    """Print one line on standard error that says what is wrong."""
     print(f"neol: {line}", file=sys.stderr)
 
 
 def discard_output() -> None:
-    """Let nothing that is left at exit be written: that would fail again."""
+    """Discard buffered output, because writing it at exit would fail again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 

@@ -1,4 +1,4 @@
-"""The command line. A module a group of commands; each command imports what is heavy by itself."""
+"""The command line: one module for each group of commands; commands import heavy modules late."""
 
 from neol.cli import champions, config, run, status, study, verify
 from neol.cli.application import app

@@ -1,4 +1,4 @@
-"""The application: how its commands fail, what their options share."""
+"""The application: endings of commands, and options that commands share."""
 
 import os
 import sys
@@ -17,26 +17,26 @@ COMMANDS = {
     "Looking": ("show", "replay", "compare", "export", "digest", "trace", "config"),
     "Checking": ("verify", "manifest"),
 }
-"""The commands as the help lists them."""
+"""Commands in the order and the sections of the help."""
 EXIT_CODES = {
-    0: "done",
-    1: "a bug of ours",
-    2: "something to mend: input, disk, environment",
-    3: "a check or a replay does not agree",
+    0: "success",
+    1: "internal error",
+    2: "user error (input, disk, environment)",
+    3: "check or replay mismatch",
     130: "interrupted",
-    141: "the reader of the output went away",
+    141: "broken pipe",
     143: "terminated",
 }
 DISAGREES = 3
 LONGEST_SUMMARY = 120
-"""Characters of what a command is said to do."""
+"""Largest length of a command's summary, in characters."""
 
 
 class Commands(TyperGroup):
-    """Lists what there is by its purpose, and ends in one line for whatever is wrong."""
+    """Group of commands, listed by purpose, in which every error ends in one line."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """The names of the commands in the help's order."""
+        """Return the names of the commands in the order of the help."""
         return [name for names in COMMANDS.values() for name in names]
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
@@ -50,7 +50,7 @@ class Commands(TyperGroup):
                 )
 
     def invoke(self, ctx: Any) -> Any:
-        """Run a command. What ends it from outside is told in a line and by the exit code."""
+        """Run a command. An interruption ends it with one line and its exit code."""
         try:
             result = super().invoke(ctx)
             sys.stdout.flush()
@@ -90,7 +90,7 @@ def _told(error: OSError) -> UserError:
         discard_output()
     if place is None:
         raise error
-    return UserError(f"{place}: {error.strerror}; mend that or choose another place")
+    return UserError(f"{place}: {error.strerror}; fix that or choose another place")
 
 
 app = typer.Typer(
@@ -123,7 +123,7 @@ def neol(
 
 
 def examples(*lines: str) -> str:
-    """An epilog whose lines stay as they are."""
+    """Return an epilog whose lines are printed unchanged."""
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
 
 
@@ -141,7 +141,7 @@ def _readings(incomplete: str) -> list[str]:
 
 
 def one_reading(given: list[str] | None) -> str:
-    """The reading that is asked for. Raises UserError for two at once."""
+    """Return the chosen reading. Raises UserError for more than one."""
     from neol.spec.readings import DEFAULT_READING
 
     if given and len(given) > 1:
@@ -152,27 +152,27 @@ def one_reading(given: list[str] | None) -> str:
 BudgetOption = Annotated[
     str | None,
     typer.Option(
-        help="Take constants from this budget, a file of config/ such as desk; default: paper.",
+        help="Budget that sets constants, a file of config/ such as desk; default: paper.",
         autocompletion=_budgets,
     ),
 ]
 ReadingOption = Annotated[
     list[str] | None,
     typer.Option(
-        help="Take constants from this reading, a file of config/readings/; default: default.",
+        help="Reading that sets constants, a file of config/readings/; default: default.",
         autocompletion=_readings,
     ),
 ]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Any other constant; may be repeated."),
+    typer.Option("--set", metavar="KEY=VALUE", help="Set any other constant; may be repeated."),
 ]
 
 
 def check_output(output: Path) -> None:
-    """Refuse before the work what could not be written after it; missing folders are made then."""
+    """Raise UserError before the work if its output could not be written after it."""
     if output.is_dir():
         raise UserError(f"{output}: is a folder; name a file in it")
     folder = next(each for each in output.absolute().parents if each.exists())
     if not (folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)):
-        raise UserError(f"{output}: {folder} is no folder to write in; choose another place")
+        raise UserError(f"{output}: {folder} is not a writable folder; choose another place")

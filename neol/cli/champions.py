@@ -1,4 +1,4 @@
-"""Champions after their runs: replay, film, draw, compare and export them."""
+"""Commands for champions: replay, film, draw and export."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from neol.champions.player import Player
 
 
-RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]
+RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="Path of a record.")]
 SeedOption = Annotated[
-    int | None, typer.Option(min=0, help="Whose champion; without it that of the first seed.")
+    int | None, typer.Option(min=0, help="Seed of the champion's run; default: the first.")
 ]
 
 
@@ -30,12 +30,12 @@ SeedOption = Annotated[
 def replay(
     record: RecordPath,
     seed: SeedOption = None,
-    episodes: Annotated[int, typer.Option(min=1, help="How many.")] = 5,
-    first: Annotated[int, typer.Option(min=0, help="Number of the first one, from 0.")] = 0,
-    gif: Annotated[Path | None, typer.Option(help="Film the first one into this file.")] = None,
-    human: Annotated[bool, typer.Option("--human", help="Watch them in a window.")] = False,
+    episodes: Annotated[int, typer.Option(min=1, help="Number of episodes.")] = 5,
+    first: Annotated[int, typer.Option(min=0, help="First episode, from 0.")] = 0,
+    gif: Annotated[Path | None, typer.Option(help="Film the first episode into this GIF.")] = None,
+    human: Annotated[bool, typer.Option("--human", help="Show episodes in a window.")] = False,
 ) -> None:
-    """Play a champion's held-out episodes again, compare with the record, film one."""
+    """Replay a champion's held-out episodes and compare their returns."""
     from neol.champions.player import load_champion
     from neol.pictures.film import need_display
     from neol.pictures.replay import play_again
@@ -48,11 +48,11 @@ def replay(
     _check_playable(record, player, first)
     if human:
         need_display()
-    there = len(player.held_out_seeds)
-    chosen = range(first, min(first + episodes, there))
+    count = len(player.held_out_seeds)
+    chosen = range(first, min(first + episodes, count))
     print(
         f"{record}: champion of seed {player.spec.seed}, {player.spec.task.environment}, "
-        f"{len(chosen)} of its {there} held-out episodes"
+        f"{len(chosen)} of its {count} held-out episodes"
     )
     print(f"{'episode':>7}  {'steps':>6}  {'recorded return':>22}  {'replayed':>22}")
     differing = []
@@ -64,7 +64,7 @@ def replay(
         print(f"{gif}: episode {first} filmed")
     if differing:
         complain(
-            f"{record}: does not agree in episode {', '.join(differing)} of seed "
+            f"{record}: the replay differs in episode {', '.join(differing)} of seed "
             f"{player.spec.seed}: edited, or made on a machine that rounds differently"
         )
         raise typer.Exit(DISAGREES)
@@ -80,12 +80,14 @@ def show(
     record: RecordPath,
     seed: SeedOption = None,
     plasticity: Annotated[
-        bool, typer.Option("--plasticity", help="How its weights change within an episode.")
+        bool, typer.Option("--plasticity", help="Draw how weights change within an episode.")
     ] = False,
-    episode: Annotated[int, typer.Option(min=0, help="Which held-out one, from 0.")] = 0,
-    output: Annotated[Path, typer.Option(help="A .png, .pdf or .svg.")] = Path("champion.png"),
+    episode: Annotated[int, typer.Option(min=0, help="Held-out episode, from 0.")] = 0,
+    output: Annotated[Path, typer.Option(help="Picture: .png, .pdf or .svg.")] = Path(
+        "champion.png"
+    ),
 ) -> None:
-    """Draw a champion's network, or how it learns in an episode."""
+    """Draw a champion's network, or its learning within an episode."""
     from neol.champions.player import load_champion
     from neol.pictures.network import network_figure, plasticity_figure
     from neol.pictures.style import picture_kind, write_picture
@@ -111,12 +113,13 @@ def show(
 def export(
     record: RecordPath,
     kind: Annotated[
-        Literal["json", "onnx"], typer.Option("--format", help="onnx needs its package.")
+        Literal["json", "onnx"],
+        typer.Option("--format", help="File format; onnx needs that package."),
     ],
-    output: Annotated[Path, typer.Option(help="The file.")],
+    output: Annotated[Path, typer.Option(help="File to write.")],
     seed: SeedOption = None,
 ) -> None:
-    """Write a champion's network, with fixed weights, for use elsewhere."""
+    """Write a champion's network, with fixed weights, to a file."""
     from neol.base.files import write_atomically
     from neol.champions.export import to_json
     from neol.champions.onnx_export import to_onnx
@@ -130,7 +133,7 @@ def export(
 
 
 def _check_playable(record: Path, player: "Player", episode: int) -> None:
-    """Refuse before the first line an episode that is not there, or whose rule is not."""
+    """Raise UserError, before any output, for a missing episode or an unknown rule."""
     count = len(player.recorded_returns)
     if episode >= count:
         raise UserError(f"{record}: has no held-out episode {episode}; they are 0 to {count - 1}")

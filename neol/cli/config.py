@@ -1,4 +1,4 @@
-"""The resolved configuration of a budget, or the schema of its files."""
+"""`neol config`: the resolved configuration of a budget, or the schema of its files."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Progress, for people: one live picture on a terminal, now and then a plain line else."""
+"""Progress of a command: a live picture on a terminal, otherwise a line every few seconds."""
 
 import time
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from rich.text import Text
 from neol.run.evolution import Generation
 
 PLAIN_SECONDS = 5.0
-"""Plain lines come no oftener; the last one always comes."""
+"""Shortest time between two plain lines; the last line is always printed."""
 START_UP = 2
-"""Generations whose time says nothing: episodes are compiled in the first, breeding in the next."""
+"""Generations whose time does not count: the first compiles episodes, the second breeding."""
 
 
 class Display:
-    """Shows how something under way stands, each time in place of the last. A context manager.
+    """Context manager that shows the state of a task, each time in place of the last.
 
     Without a console it writes to standard error.
     """
@@ -31,7 +31,7 @@ class Display:
         self._printed = -float("inf")
 
     def show(self, line: str, picture: RenderableType | None = None) -> None:
-        """The state as a line; a terminal shows the picture instead, if there is one."""
+        """Show the state as a line; a terminal shows the picture instead, if there is one."""
         self._line = line
         if self._console.is_terminal:
             self._live.update(Text(line) if picture is None else picture)
@@ -61,7 +61,7 @@ class Display:
 
 
 class Progress(Display):
-    """Shows each generation of a block's runs that it is called with."""
+    """Display of a block's runs; it is called with each generation."""
 
     def __init__(self, seeds: Sequence[int], generations: int) -> None:
         super().__init__()
@@ -102,7 +102,7 @@ class Progress(Display):
 
 
 def duration(seconds: float) -> str:
-    """1:02:03, or 2:03 below an hour."""
+    """Format a duration as 1:02:03, or 2:03 below an hour."""
     minutes, second = divmod(round(seconds), 60)
     hours, minute = divmod(minutes, 60)
     return f"{hours}:{minute:02}:{second:02}" if hours else f"{minute}:{second:02}"

@@ -45,26 +45,25 @@ def run(
     task: Annotated[
         str,
         typer.Option(
-            help="cartpole, lunar_lander, hopper, bipedal_walker(_hardcore), or another's gym:ID."
+            help="Task: cartpole, lunar_lander, hopper, bipedal_walker(_hardcore) or gym:ID."
         ),
     ],
     method: Annotated[
-        str, typer.Option(help=", ".join(METHOD_NAMES) + ".", autocompletion=_methods)
+        str,
+        typer.Option(help=f"Method: {', '.join(METHOD_NAMES)}.", autocompletion=_methods),
     ],
-    population: Annotated[int, typer.Option(help="P, 2 to 100000.")],
-    generations: Annotated[int, typer.Option(help="G, at least 1.")],
-    output: Annotated[Path, typer.Option(help="The record: a .parquet that does not exist yet.")],
+    population: Annotated[int, typer.Option(help="Population size (P), 2 to 100000.")],
+    generations: Annotated[int, typer.Option(help="Number of generations (G).")],
+    output: Annotated[Path, typer.Option(help="Record to write, a new .parquet file.")],
     learning_rate: Annotated[
-        float | None, typer.Option(help="eta, for a method with a plasticity rule only.")
+        float | None, typer.Option(help="Learning rate (eta); only for plasticity rules.")
     ] = None,
-    seed: Annotated[str, typer.Option(help="One or several: 3, 0-4 or 0,3,7.")] = "0",
-    episodes: Annotated[int | None, typer.Option(help="N: episodes of an evaluation.")] = None,
-    max_steps: Annotated[
-        int | None, typer.Option(help="T_max: steps of an episode at most.")
-    ] = None,
-    reward_scale: Annotated[float | None, typer.Option(help="beta.")] = None,
+    seed: Annotated[str, typer.Option(help="Seeds of the runs: 3, 0-4 or 0,3,7.")] = "0",
+    episodes: Annotated[int | None, typer.Option(help="Episodes per evaluation (N).")] = None,
+    max_steps: Annotated[int | None, typer.Option(help="Step limit of an episode (T_max).")] = None,
+    reward_scale: Annotated[float | None, typer.Option(help="Reward scale (beta).")] = None,
     weight_mutation: Annotated[
-        str | None, typer.Option(help="WM_MODE: off, config or a probability.")
+        str | None, typer.Option(help="Weight mutation (WM_MODE): off, config or a probability.")
     ] = None,
     write_back: Annotated[
         bool | None, typer.Option("--write-back/--no-write-back", help="Inherit learned weights.")
@@ -73,21 +72,24 @@ def run(
     reading: ReadingOption = None,
     overrides: Overrides = None,
     engine: Annotated[
-        Literal["auto", "fast", "reference"], typer.Option(help="All give the same bits.")
+        Literal["auto", "fast", "reference"],
+        typer.Option(help="Rollout engine; does not change results."),
     ] = "auto",
-    workers: Annotated[int, typer.Option(min=1, help="Any number gives the same bits.")] = 1,
+    workers: Annotated[
+        int, typer.Option(min=1, help="Parallel workers; does not change results.")
+    ] = 1,
     checkpoint_every: Annotated[
         int, typer.Option(min=1, help="Generations between checkpoints.")
     ] = 10,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on where an interrupted run stopped, if one did.")
+        bool, typer.Option("--resume", help="Continue an interrupted run, if there is one.")
     ] = False,
     keep_partial: Annotated[
-        bool, typer.Option("--keep-partial", help="Keep OUTPUT.partial, a record for each seed.")
+        bool, typer.Option("--keep-partial", help="Keep OUTPUT.partial with a record per seed.")
     ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing but errors.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print errors only.")] = False,
 ) -> None:
-    """Run a configuration with one or several seeds into a record."""
+    """Run a configuration with one or several seeds; write a record."""
     seeds = parse_seeds(seed)
     if output.suffix != ".parquet":
         raise UserError(f"{output}: records are Parquet files; end its name in .parquet")
@@ -108,7 +110,7 @@ def run(
     from neol.spec.configuration import PAPER_BUDGET, load_configuration
 
     budget_name, overrides = budget or PAPER_BUDGET, overrides or []
-    # Before the options: --max-steps would make a constant of a task that is not there.
+    # Before the options: --max-steps would add an unknown task to the configuration.
     label = one_reading(reading)
     load_configuration(budget_name, overrides, reading=label).check_names(task, method)
     configuration = load_configuration(budget_name, overrides, options, label)
@@ -145,7 +147,7 @@ def run(
 
 
 def parse_seeds(text: str) -> list[int]:
-    """The seeds of "3", "0-4" or "0,3,7-9", sorted. Raises UserError."""
+    """Parse seeds like "3", "0-4" or "0,3,7-9" and sort them. Raises UserError."""
     seeds: list[int] = []
     for part in text.split(","):
         match = re.fullmatch(r"(\d{1,18})(?:-(\d{1,18}))?", part.strip())
@@ -170,13 +172,13 @@ def _says_how_to_go_on(output: Path) -> Iterator[None]:
         with interruptible():
             yield
     except KeyboardInterrupt as stop:
-        if output.exists():  # it was complete, only tidying up was cut short
+        if output.exists():  # it was complete; only the cleanup was interrupted
             raise typer.Exit from None
         kept = partial_folder(output)
         way_on = (
-            f"what is done is kept in {kept}, the same command with --resume goes on from there"
+            f"progress is kept in {kept}; run the same command with --resume to continue"
             if kept.exists()
-            else "no generation was done yet, so nothing is kept"
+            else "no generation was completed, so nothing is kept"
         )
         terminated = isinstance(stop, Terminated)
         complain(f"{TERMINATED if terminated else INTERRUPTED}: {way_on}")
@@ -185,7 +187,7 @@ def _says_how_to_go_on(output: Path) -> Iterator[None]:
 
 def _summarise(output: Path, record: "Record", finished: bool) -> None:
     if finished:
-        print(f"{output}: complete already, nothing to do")
+        print(f"{output}: already complete, nothing to do")
     else:
         from neol.rollout import describe
 

@@ -1,4 +1,4 @@
-"""`neol status`: how far a campaign is, what failed, what the rest will cost."""
+"""`neol status`: progress of a campaign, failures, and the estimated cost of the rest."""
 
 import time
 from pathlib import Path
@@ -12,7 +12,7 @@ from neol.cli.application import app, examples
 
 WATCH_SECONDS = 2.0
 PIPED_WIDTH = 200
-"""Characters; wide enough for every line."""
+"""Width in characters without a terminal; every line fits."""
 
 
 @app.command(
@@ -23,18 +23,18 @@ PIPED_WIDTH = 200
 def status(
     campaign: Annotated[
         Path,
-        typer.Argument(metavar="CAMPAIGN", help="A folder like results/first/desk, or a budget."),
+        typer.Argument(metavar="CAMPAIGN", help="Folder like results/first/desk, or a budget."),
     ],
     watch: Annotated[
-        bool, typer.Option("--watch", help="Go on showing it until the grid is done.")
+        bool, typer.Option("--watch", help="Update the display until the grid is done.")
     ] = False,
     tasks: Annotated[
-        str, typer.Option("--tasks", help="Some of its tasks only, like cartpole,hopper.")
+        str, typer.Option("--tasks", help="Tasks to show, like cartpole,hopper; default: all.")
     ] = "",
 ) -> None:
-    """Show what of a campaign is done, running, failed or missing, and what the rest will cost.
+    """Show a campaign's progress and the estimated cost of the rest.
 
-    Costs are those measured in docs/benchmarks.md, on the machine named there.
+    Estimates follow docs/benchmarks.md and hold for the machine named there.
     """
     from rich.console import Console
 
@@ -50,10 +50,10 @@ def status(
     path = RESULTS / SHOWN_READING / campaign if len(campaign.parts) == 1 else campaign
     folder = Folder(path, select(path.name, tasks, path.absolute().parent.name))
     if not path.is_dir():
-        nowhere = f"{path} does not exist (from {Path.cwd()})"
+        absent = f"{path} does not exist (from {Path.cwd()})"
         if watch:
-            raise UserError(f"{nowhere}; start its workflow, or go where that runs")
-        complain(f"{nowhere}, so all is missing")
+            raise UserError(f"{absent}; start its workflow, or change to its folder")
+        complain(f"{absent}, so all runs are missing")
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = PIPED_WIDTH

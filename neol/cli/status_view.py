@@ -1,4 +1,4 @@
-"""What `neol status` shows."""
+"""The display of `neol status`."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,11 +13,11 @@ from neol.study.workflow.outlook import Status
 from neol.study.workflow.status import JOB_STATES, Finished, JobStatus
 
 LISTED = 5
-"""As many entries of a list are shown."""
+"""Number of entries of a list that are shown."""
 
 
 def picture(folder: Path, status: Status) -> RenderableType:
-    """All there is to say; a terminal too small for it cuts the table's end."""
+    """Return the whole display; a small terminal cuts the end of the table."""
     lists = {
         "Latest": [_latest(run) for run in reversed(status.finished)],
         "Running, by the last checkpoint": [_under_way(each) for each in status.of("running")],
@@ -33,7 +33,7 @@ def picture(folder: Path, status: Status) -> RenderableType:
 
 
 def summary(folder: Path, status: Status) -> str:
-    """The campaign in a line."""
+    """Summarise the campaign in one line."""
     grid, study = status.states(), status.states(sensitivity=True)
     cells, all_cells = status.cells
     runs = grid + study
@@ -66,19 +66,19 @@ def _table(status: Status) -> RenderableType:
 
 
 def _outlook(status: Status) -> str:
-    """What the rest will cost."""
+    """Describe the estimated cost of the rest."""
     rows = [row for row in status.rows if row.states["done"] < row.states.total()]
     if not rows:
-        return "All is done."
+        return "All runs are done."
     hours = sum(row.core_hours or 0.0 for row in rows)
     unknown = dict.fromkeys(row.task for row in rows if row.core_hours is None)
     parts = [f"about {hours:,.2f} core-hours are left"] if hours else []
     if unknown:
-        parts.append(f"what {', '.join(unknown)} will cost was never measured")
+        parts.append(f"the cost of {', '.join(unknown)} was never measured")
     if not status.of("running"):
-        parts.append("nothing is running just now")
+        parts.append("no run is in progress")
     elif status.seconds_left is not None:
-        parts.append(f"{duration(status.seconds_left)} on a core for each job that runs")
+        parts.append(f"{duration(status.seconds_left)} with one core for each running job")
     sentence = "; ".join(parts)
     return f"{sentence[0].upper()}{sentence[1:]}."
 
@@ -91,8 +91,16 @@ def _name(spec: RunSpec, seed: int) -> str:
 
 def _latest(run: Finished) -> str:
     held_out = "" if run.held_out is None else f", held-out mean {run.held_out:.1f}"
-    ago = duration((datetime.now(UTC) - run.time).total_seconds())
+    ago = age((datetime.now(UTC) - run.time).total_seconds())
     return f"{_name(run.spec, run.spec.seed)}: best {run.best_fitness:.1f}{held_out}, {ago} ago"
+
+
+def age(seconds: float) -> str:
+    """Format an age in its largest unit: 6 days, 1 hour, 0 seconds."""
+    units = {"day": 86400, "hour": 3600, "minute": 60, "second": 1}
+    unit = next((name for name, length in units.items() if seconds >= length), "second")
+    count = max(0, int(seconds // units[unit]))
+    return f"{count} {unit}{'s' * (count != 1)}"
 
 
 def _under_way(status: JobStatus) -> str:

@@ -1,4 +1,4 @@
-"""Commands of the study: compare records, trace a table."""
+"""Commands of the study: compare records, trace a table or figure."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,14 +8,14 @@ import typer
 from neol.cli.application import app, check_output, examples
 
 PIPED_WIDTH = 10_000
-"""Characters; no line is broken for a reader who is no terminal."""
+"""Width in characters without a terminal, so that no line is broken."""
 
 
 @app.command(epilog=examples("neol trace figures/table1.tex"))
 def trace(
-    output: Annotated[Path, typer.Argument(metavar="OUTPUT", help="A table or figure.")],
+    output: Annotated[Path, typer.Argument(metavar="OUTPUT", help="File of a table or figure.")],
 ) -> None:
-    """Print what made a table or figure: command, commit, records, runs."""
+    """Print the command, commit, records and runs behind an output."""
     from neol.study.output.sidecar import trace
 
     for line in trace(output):
@@ -31,13 +31,14 @@ def trace(
 )
 def compare(
     records: Annotated[
-        list[Path], typer.Argument(metavar="RECORD", help="Records, or folders of one cell's.")
+        list[Path],
+        typer.Argument(metavar="RECORD", help="Records, or folders of one cell's records."),
     ],
     output: Annotated[
-        Path | None, typer.Option(help="Learning curves: a .png, .pdf or .svg.")
+        Path | None, typer.Option(help="Draw learning curves into a .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Print records side by side: configurations and results."""
+    """Print the configurations and results of records side by side."""
     from rich.console import Console
     from rich.table import Table
 
@@ -62,7 +63,7 @@ def compare(
     if not console.is_terminal:
         console.width = PIPED_WIDTH
     console.print(table)
-    print("Means over runs; of several, with their 95% intervals.")
+    print("Means over runs, with 95% intervals if there are several runs.")
     if output:
         write_picture(learning_curves(compared), output)
         print(f"{output}: learning curves")

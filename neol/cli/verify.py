@@ -38,7 +38,7 @@ def manifest(
         typer.Option(help="Those of its tasks whose records are all there, like cartpole,hopper."),
     ] = "",
 ) -> None:
-    """Write FOLDER/manifest.json anew: the records below it, their digests, what made them."""
+    """Write FOLDER/manifest.json: its records and their digests."""
     from neol.study.verification.manifest import NAME, write_manifest
 
     written = write_manifest(folder, tasks)
@@ -73,7 +73,7 @@ def verify(
         typer.Option(min=0, help="Seed of the draw; without it one is chosen and printed."),
     ] = None,
 ) -> None:
-    """Check records: schema, digests, rows, place, manifest; and repeat runs of them."""
+    """Check records by their digests, rows and manifest; replay runs."""
     from neol.cli.progress import Display
     from neol.study.verification.check import Verification
 

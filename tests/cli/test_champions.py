@@ -92,14 +92,14 @@ def test_a_folder_that_is_not_there_is_made(command: str, output: str, tmp_path:
     ],
 )
 def test_what_cannot_be_written_is_refused_before_the_work(command: str, tmp_path: Path) -> None:
-    assert f"{tmp_path / 'b.parquet'} is no folder to write in" in refused(command)
+    assert f"{tmp_path / 'b.parquet'} is not a writable folder" in refused(command)
 
 
 def test_a_read_only_folder_is_refused_before_the_work(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(os, "access", lambda _, mode: not mode & os.W_OK)  # not even root
-    assert f"a.gif: {tmp_path} is no folder to write in" in refused("replay a.parquet --gif a.gif")
+    assert f"a.gif: {tmp_path} is not a writable folder" in refused("replay a.parquet --gif a.gif")
 
 
 @pytest.mark.slow
@@ -122,7 +122,9 @@ def test_a_replay_that_differs_ends_with_3(tmp_path: Path) -> None:
     assert outcome.exit_code == 3
     assert "77.5" in outcome.stdout
     (line,) = outcome.stderr.splitlines()
-    assert line.startswith("neol: altered.parquet: does not agree in episode 2 of seed 3: edited")
+    assert line.startswith(
+        "neol: altered.parquet: the replay differs in episode 2 of seed 3: edited"
+    )
     assert neol("replay altered.parquet --episodes 2").exit_code == 0
     assert neol("replay altered.parquet --seed 4").exit_code == 0
 

@@ -193,7 +193,7 @@ def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:
     assert "a.parquet: exists already; remove it or choose" in refused(command)
     again = neol(f"{command} --resume")
     assert again.exit_code == 0
-    assert again.stdout.startswith("a.parquet: complete already, nothing to do\nseed 0: best")
+    assert again.stdout.startswith("a.parquet: already complete, nothing to do\nseed 0: best")
     assert "of another specification" in refused(f"{command} --resume --population 7")
     assert (tmp_path / "a.parquet").read_bytes() == before
 

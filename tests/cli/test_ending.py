@@ -23,7 +23,7 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.Monk
         stopped = neol(command)
     assert stopped.exit_code == 130
     line = stopped.stderr.splitlines()[-1]
-    assert line.startswith("neol: interrupted: what is done is kept in a.parquet.partial")
+    assert line.startswith("neol: interrupted: progress is kept in a.parquet.partial")
     assert "--resume" in line
     assert "a.parquet.partial: holds an interrupted run; go on with --resume" in refused(command)
     assert neol(f"{command} --resume").exit_code == 0
@@ -57,14 +57,14 @@ def test_signals_keep_a_checkpoint(
     assert stdout == ""
     assert "Traceback" not in stderr
     assert re.fullmatch(
-        r"neol: (interrupted|terminated): .* kept in a\.parquet\.partial, .* --resume .*",
+        r"neol: (interrupted|terminated): .* kept in a\.parquet\.partial; .* --resume .*",
         stderr.splitlines()[-1],
     )
     assert names(tmp_path) == ["a.parquet.partial", "lock", "seed_000000.npz"]
 
 
 def test_a_path_that_the_system_refuses_is_one_line() -> None:
-    assert "aaa: File name too long; mend that" in refused(f"verify {'a' * 300}")
+    assert "aaa: File name too long; fix that" in refused(f"verify {'a' * 300}")
 
 
 def test_ctrl_c_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:

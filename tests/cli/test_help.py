@@ -24,12 +24,12 @@ from tests.helpers.made_up import configuration, write_campaign
 GROUP: Any = typer.main.get_command(app)
 NAMES = GROUP.list_commands(None)
 SHARED = {
-    "--budget": "Take constants from this budget",
+    "--budget": "Budget that sets constants",
     "--output": "",
-    "--quiet": "Say nothing but errors.",
+    "--quiet": "Print errors only.",
     "--seed": "",
-    "--set": "Any other constant; may be repeated.",
-    "--workers": "Any number gives the same bits.",
+    "--set": "Set any other constant; may be repeated.",
+    "--workers": "Parallel workers; does not change results.",
 }
 """Options that more than one command may have, and how their help begins."""
 
