@@ -1,7 +1,7 @@
-"""Gymnasium's environments, which are not ours: made, and checked in all that they return.
+"""The boundary to Gymnasium's environments: everything that they return is checked here.
 
-This is the one boundary. What passes it has the types and the shape that the environment declares;
-only numbers that are not finite pass too, which fail a network's evaluation and not the run.
+Values that pass have the types and the shape that the environment declares. They may be NaN or
+infinite, which fails a network's evaluation, not the run.
 """
 
 import math
@@ -19,18 +19,18 @@ from neol.base.errors import FOREIGN, NOTICE, UserError, described
 from neol.spec.constants import Task
 
 INTEGERS, NUMBERS = "biu", "biuf"
-"""NumPy's kinds of dtypes: bool and integers, and with them the real numbers."""
+"""NumPy's kinds of dtypes: bool and integers, and these with real numbers."""
 
 
 def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.Env[Any, Any]:
-    """A new Gymnasium environment of a task, limited to the task's steps.
+    """Make a Gymnasium environment of a task, limited to the task's steps.
 
-    Raises UserError where the id is unknown, its constructor raises, or the spaces are not a
-    network's.
+    Raises UserError if the id is unknown, the constructor raises, or the spaces do not fit a
+    network.
     """
     rendered = {} if render_mode is None else {"render_mode": render_mode}
     with warnings.catch_warnings():
-        # Of libraries below the environment: made errors (PYTHONWARNINGS=error) they would end it.
+        # Libraries below the environment warn; as errors (PYTHONWARNINGS=error) that would end it.
         warnings.simplefilter("ignore", DeprecationWarning)
         warnings.filterwarnings("ignore", message=".*render_modes.*")
         try:
@@ -64,7 +64,7 @@ def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.En
 
 
 def network_size(task: Task) -> tuple[int, int]:
-    """The numbers of inputs and outputs that a task's networks have."""
+    """Return the numbers of inputs and outputs of a task's networks."""
     environment = Environment(task)
     environment.close()
     action = environment.action_space
@@ -73,10 +73,10 @@ def network_size(task: Task) -> tuple[int, int]:
 
 
 class Environment:
-    """A task's environment whose every answer is checked.
+    """A task's environment with a check of everything that it returns.
 
-    An answer that is not as Gymnasium's interface and the declared spaces have it, and whatever
-    the environment raises, is a UserError that names the environment, the episode and its step.
+    Values that contradict Gymnasium's interface or the declared spaces, and exceptions of the
+    environment, become a UserError that names the environment, the episode and the step.
     """
 
     def __init__(self, task: Task, render_mode: str | None = None) -> None:
@@ -87,15 +87,15 @@ class Environment:
         assert isinstance(space, gymnasium.spaces.Box)
         self.observation_space = space
         self.action_space: Any = self._gymnasium.action_space
-        """Discrete or Box."""
+        """Space of actions, Discrete or Box."""
         self._shape = space.shape
         self._kinds = INTEGERS if space.dtype.kind in INTEGERS else NUMBERS
         self._seed, self._steps = 0, 0
 
     def reset(self, seed: int) -> npt.NDArray[np.generic]:
-        """Begin the episode of a seed, in a new world where the task asks for it.
+        """Begin the episode of a seed, in a new world if the task requires it.
 
-        Returns its first observation, [I] real numbers.
+        Returns the first observation, [I] real numbers.
         """
         if self._task.fresh_world:
             self.close()
@@ -112,7 +112,7 @@ class Environment:
         return self._checked(observation)
 
     def step(self, action: Any) -> tuple[npt.NDArray[np.generic], float, bool]:
-        """Take a step: the next observation, [I] real numbers, the reward, whether it was the last.
+        """Take a step; return observation ([I] real numbers), reward, and whether it was the last.
 
         The numbers may be NaN or infinite.
         """
@@ -127,12 +127,12 @@ class Environment:
         return self._checked(observation), self._number(reward), terminated or truncated
 
     def render(self) -> Any:
-        """What the environment now looks like, in its render mode."""
+        """Render the environment in its render mode."""
         return self._gymnasium.render()
 
     @property
     def frames_per_second(self) -> float:
-        """The speed at which it asks to be shown; 30 where it does not say."""
+        """Declared frame rate of the environment; 30 if it declares none."""
         declared = self._gymnasium.metadata.get("render_fps", 30)
         if not (isinstance(declared, (int, float)) and 0 < declared < math.inf):
             raise UserError(
@@ -142,7 +142,7 @@ class Environment:
         return float(declared)
 
     def close(self) -> None:
-        """Release what it holds. An environment that fails in that has done its work: a notice."""
+        """Release its resources. A failure here is only a note, because all episodes are done."""
         try:
             self._gymnasium.close()
         except FOREIGN as error:
@@ -155,7 +155,7 @@ class Environment:
         return array
 
     def _number(self, reward: Any) -> float:
-        if isinstance(reward, float):  # of Python or NumPy, so most are
+        if isinstance(reward, float):  # the common case, of Python or NumPy
             return float(reward)
         array = self._as_array("the reward", reward)
         if array.shape or array.dtype.kind not in NUMBERS:
@@ -204,5 +204,5 @@ def _shown(value: object) -> str:
 
 @cache
 def _notice(line: str) -> None:
-    """Say it once, not for each episode."""
+    """Print a note once, not for each episode."""
     print(f"{NOTICE}{line}", file=sys.stderr)

@@ -24,14 +24,14 @@ from neol.rollout.engine import Engine, Rollouts
 from neol.spec.constants import Plasticity
 
 LOOK_SECONDS = 0.1
-"""As often somebody who waits for workers looks whether the run shall stop."""
+"""Interval at which the process that waits for workers checks whether to stop."""
 
 
 def portions(networks: int, workers: int) -> list[tuple[int, int]]:
-    """How a batch is cut into pieces, (begin, end), which the workers take as they get free.
+    """Cut a batch into pieces (begin, end), which free workers take in order.
 
-    Episodes differ in length. So that all workers end together the pieces shrink: each is half of
-    a worker's share of what is left (guided self-scheduling, Polychronopoulos & Kuck 1987).
+    Episodes differ in length. The pieces shrink so that all workers end together: each is half of
+    a worker's share of the rest (guided self-scheduling, Polychronopoulos & Kuck 1987).
     """
     pieces, begin = [], 0
     while begin < networks:
@@ -43,7 +43,7 @@ def portions(networks: int, workers: int) -> list[tuple[int, int]]:
 
 
 class ProcessEngine:
-    """Spreads a batch over processes, each with an engine of its own."""
+    """Engine that spreads a batch over processes, each with its own engine."""
 
     def __init__(self, make_engine: Callable[[], Engine], name: str, workers: int) -> None:
         self.name = name
@@ -93,9 +93,9 @@ class ProcessEngine:
 
 
 def _start_tracker() -> None:
-    """Start multiprocessing's own helper, so that it outlives what is sent to the whole group.
+    """Start multiprocessing's resource tracker so that it survives signals to the process group.
 
-    It inherits what is blocked here, and ignores only Ctrl-C and SIGTERM by itself.
+    It inherits the signals that are blocked here; by itself it ignores only Ctrl-C and SIGTERM.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     try:
@@ -116,13 +116,13 @@ def _begin_worker(make_engine: Callable[[], Engine], closed: Connection) -> None
 
 
 def _end_with_engine(closed: Connection) -> None:
-    """End in the midst of an episode when the engine is closed, or its process killed."""
-    closed.poll(None)  # until nobody holds the lifeline's other end
+    """End the worker, even during an episode, when the engine is closed or its process killed."""
+    closed.poll(None)  # until the other end of the pipe is closed
     os._exit(1)
 
 
 def _evaluate(
     networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
 ) -> Rollouts:
-    """Made here, the engine can say why it cannot be: an initializer only ends its process."""
+    """Evaluate a piece. The engine is made here, because an initializer could not report errors."""
     return _make_worker_engine().evaluate(networks, seeds, plasticity)

@@ -1,4 +1,4 @@
-"""The reference engine: Gymnasium's own environments in a plain loop. It defines the truth.
+"""The reference engine: Gymnasium's environments in a plain loop, which defines correct results.
 
 It runs any environment with a flat Box observation and a Discrete or Box action.
 """
@@ -23,12 +23,12 @@ from neol.spec.constants import Plasticity, Task
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step of an episode, after learning. Its arrays go on changing: copy what is to stay."""
+    """One step of an episode, after learning. Its arrays are reused: copy what you keep."""
 
     values: npt.NDArray[np.float64]
-    """float64[I + M]: the observation that was acted on, then the activities of the other nodes."""
+    """float64[I + M]: the observation before the action, then the activities of other nodes."""
     action: Any
-    """As the environment got it."""
+    """Action as passed to the environment."""
     reward: float
     weight: npt.NDArray[np.float64]
     """float64[E]."""
@@ -40,7 +40,7 @@ Observer = Callable[[Step], None]
 
 
 class ReferenceEngine:
-    """Steps Gymnasium's own environment; an episode is a function of seed and network alone."""
+    """Engine that steps Gymnasium's environment; an episode depends on seed and network alone."""
 
     name = "reference"
 
@@ -83,9 +83,9 @@ class ReferenceEngine:
         observe: Observer,
         plastic_steps: int | None = None,
     ) -> float:
-        """One episode of a single network, step by step: its return, NaN if it failed.
+        """Play one episode of a single network, step by step; return its return, NaN if it failed.
 
-        The same episode as in `evaluate`, unless the network learns in its first steps only.
+        It equals the episode in `evaluate`, unless the network learns in its first steps only.
         """
         total, _ = self._episode(
             network,
@@ -100,12 +100,12 @@ class ReferenceEngine:
         return total
 
     def render(self) -> Any:
-        """What the environment now looks like, in the engine's render mode."""
+        """Render the environment in the engine's render mode."""
         return self._environment.render()
 
     @property
     def steps_per_second(self) -> float:
-        """The environment's own speed, for films."""
+        """Speed of the environment, for films."""
         return self._environment.frames_per_second
 
     def _episode(
@@ -119,9 +119,9 @@ class ReferenceEngine:
         observe: Observer | None = None,
         plastic_steps: int | None = None,
     ) -> tuple[float, int]:
-        """One episode (Algorithm 2, lines 3-14): its return, NaN if it failed, and its steps.
+        """Play one episode (Algorithm 2, lines 3-14); give its return, NaN if it failed, and steps.
 
-        Learns in place, in the first `plastic_steps` steps or in all.
+        The network learns in place, in the first `plastic_steps` steps or in all.
         """
         first, last = networks.node_offset[genome : genome + 2]
         values = np.empty(networks.inputs + last - first)
@@ -148,7 +148,7 @@ class ReferenceEngine:
         return total, steps
 
     def _action(self, outputs: npt.NDArray[np.float64]) -> Any:
-        """Argmax of discrete actions, else outputs clipped to the action's bounds (Section 4.1)."""
+        """Return the largest output's index, or outputs clipped to the bounds (Section 4.1)."""
         space = self._environment.action_space
         if isinstance(space, gymnasium.spaces.Discrete):
             return int(space.start) + int(np.argmax(outputs))
