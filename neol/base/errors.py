@@ -13,7 +13,7 @@ INTERRUPTED, TERMINATED = "interrupted", "terminated"
 
 
 FOREIGN = (Exception, SystemExit)
-"""What code that is not ours may raise; Ctrl-C is none of it."""
+"""Exceptions of foreign code; Ctrl-C is not among them."""
 
 
 class UserError(Exception):
@@ -28,7 +28,7 @@ class UserError(Exception):
 
 
 def described(error: BaseException) -> str:
-    """An error of code that is not ours: its type and, in one line, the beginning of its text."""
+    """Describe an error of foreign code in one line: its type and the beginning of its text."""
     text = " ".join(str(error).split())[:200]
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 

@@ -72,7 +72,7 @@ def read_bounded(path: Path, limit: int) -> bytes:
         except OSError as error:
             raise _unreadable(path, error.strerror) from None
     if len(content) > limit:
-        raise UserError(f"{path}: larger than {limit} bytes, so not a file of neol's")
+        raise UserError(f"{path}: larger than {limit} bytes, so not a file of neol")
     return content
 
 

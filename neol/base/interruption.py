@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from types import FrameType
 
 REPEATED = (signal.SIGHUP, signal.SIGXCPU)
-"""A closed terminal and a CPU limit. The system sends them more than once, so the second one does
-not mean that somebody is impatient."""
+"""Signals of a closed terminal and a CPU limit. The system repeats them, so a second one does not
+mean that the user wants an immediate end."""
 ENDING = (signal.SIGINT, signal.SIGTERM, *REPEATED)
-"""The signals that ask a run to stop. All others, such as SIGALRM, are left to environments."""
+"""Signals that ask a run to stop; environments may use all others, such as SIGALRM."""
 
 
 class Terminated(KeyboardInterrupt):
