@@ -148,7 +148,9 @@ def made(*targets):
 def inputs(together):
     """Return the inputs of one notebook's tables and figures, without the notebook."""
     drawn = any("png" in each.group.suffixes for each in together)
-    also = [path for each in together for path in glob(each.files or "")]
+    also = [
+        path for each in together for name in each.files for path in glob(name)
+    ]
     read = {path for each in together for path in records(CONFIGURATION, each.reads)}
     return {
         "code": FIGURE_CODE if drawn else TABLE_CODE,

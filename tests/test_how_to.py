@@ -146,12 +146,13 @@ def test_a_change_of_selection(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_claim(tmp_path: Path) -> None:
     clone = fresh_clone(tmp_path / "neol")
-    (claim,) = blocks("add-a-claim.md", "yaml")
-    with (clone / "paper" / "claims.yaml").open("a", encoding="utf-8") as file:
-        file.write(claim)
+    for name, entry in zip(("questions", "claims"), blocks("add-a-claim.md", "yaml"), strict=True):
+        with (clone / "paper" / f"{name}.yaml").open("a", encoding="utf-8") as file:
+            file.write(entry)
     (commands,) = blocks("add-a-claim.md", "bash")
     printed = shell(commands, clone, clone)
-    assert "lunar_lander: mean of bcm higher than hebb" in printed
+    assert "## best-cells-cartpole: not asked here" in printed
+    assert "> matching or slightly edging the NEAT row (Section A.8.2)" in printed
 
 
 @pytest.mark.slow

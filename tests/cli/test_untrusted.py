@@ -29,7 +29,7 @@ from neol.spec import configuration as spec
 from neol.spec.configuration import CONFIG, load_configuration
 from neol.spec.plain_yaml import parse_yaml
 from neol.study.campaign.shown import folder
-from neol.study.claims.claims import CLAIMS, load_claims
+from neol.study.claims.questions import CLAIMS, QUESTIONS, load_claims, load_questions
 from neol.study.output.sidecar import trace
 from neol.study.verification import manifest
 from neol.study.verification.check import Verification
@@ -74,14 +74,15 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "a.json").write_text(json.dumps(SIDECAR))
     (folder / "manifest.json").write_bytes((folder / "smoke" / "manifest.json").read_bytes())
     (folder / "a.yaml").write_bytes((CONFIG / "smoke.yaml").read_bytes())
-    (folder / "claims.yaml").write_text(some_claims())
+    (folder / "claims.yaml").write_text(some(CLAIMS, "nothing"))
+    (folder / "questions.yaml").write_text(some(QUESTIONS, "kind"))
     return folder
 
 
-def some_claims() -> str:
-    """The ledger with one claim of each kind, which is read sooner."""
-    head, *claims = re.split(r"^(?=  - id: )", CLAIMS.read_text(), flags=re.MULTILINE)
-    kinds = {re.findall(r"kind: (\w+)", claim)[0]: claim for claim in reversed(claims)}
+def some(path: Path, key: str) -> str:
+    """The file with one entry of each kind, or the first of all, which is read sooner."""
+    head, *entries = re.split(r"^(?=  - id: )", path.read_text(), flags=re.MULTILINE)
+    kinds = {(re.findall(rf"{key}: (\w+)", each) or [""])[0]: each for each in reversed(entries)}
     return head + "".join(kinds.values())
 
 
@@ -121,6 +122,7 @@ KINDS: dict[str, tuple[str, str, Read]] = {
     "sidecar": ("a.json", "table3.json", read_trace),
     "configuration": ("a.yaml", "x.yaml", read_configuration),
     "claims": ("claims.yaml", "claims.yaml", load_claims),
+    "questions": ("questions.yaml", "questions.yaml", load_questions),
 }
 
 
@@ -144,7 +146,7 @@ def values(path: Path) -> Json:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["manifest", "sidecar", "configuration", "claims"])
+@pytest.mark.parametrize("kind", ["manifest", "sidecar", "configuration", "claims", "questions"])
 @fuzz
 @given(data=st.data())
 def test_wrong_values_load_or_give_one_clear_error(

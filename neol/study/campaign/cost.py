@@ -8,8 +8,9 @@ import csv
 from collections.abc import Callable
 from functools import cache
 
-from neol.spec.configuration import ROOT
+from neol.spec.configuration import ROOT, Configuration
 from neol.spec.run_spec import RunSpec
+from neol.study.campaign.grid import Block, cells, home, run_specs
 
 NEAT_POPULATION = 300
 """Population size of the measurement of NEAT's time."""
@@ -71,3 +72,15 @@ def walltime_minutes(spec: RunSpec, seeds: int) -> int:
     """
     seconds = run_seconds(spec)
     return 24 * 60 if seconds is None else 15 + round(2 * seeds * seconds / 60)
+
+
+def core_hours(configuration: Configuration) -> float | None:
+    """What a budget's grid costs by measurement, held-out episodes left out; None if unknown."""
+    first = [
+        run_specs(configuration, Block(home(configuration), cell, 0, 0))[0]
+        for cell in cells(configuration)
+    ]
+    seconds = [run_seconds(spec) for spec in first]
+    if None in seconds:
+        return None
+    return configuration.budget.seed_count * sum(filter(None, seconds)) / 3600

@@ -12,6 +12,8 @@ from neol.spec.sources import by_dotted_key
 
 DEFAULT_BUDGET = "desk"
 """Where none is named."""
+TWO_BY_TWO = "two_by_two"
+"""The budget of the rules with weight mutation, which the paper does not have."""
 SHOWN_READING = FIRST_READING
 """Where none is named: that of the records that the repository has."""
 
@@ -30,6 +32,21 @@ def select(
         if task not in all_tasks:
             raise UserError(f'budget {budget} has no task "{task}"{hint(task, all_tasks)}')
     return with_tasks(configuration, [task for task in all_tasks if task in chosen])
+
+
+def two_by_two(configuration: Configuration) -> list[Configuration]:
+    """The budgets whose rules with weight mutation can be compared with a budget's methods.
+
+    They have as many generations on the same task.
+    """
+    other = load_configuration(TWO_BY_TWO, reading=configuration.reading)
+    ours, theirs = configuration.budget, other.budget
+    same = [task in ours.tasks and _as_long(ours, theirs, task) for task in theirs.tasks]
+    return [other] if all(same) and ours.name != TWO_BY_TWO else []
+
+
+def _as_long(one: Budget, other: Budget, task: str) -> bool:
+    return one.generations_of(task) == other.generations_of(task)
 
 
 def folder(name: object) -> Path:

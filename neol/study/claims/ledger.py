@@ -1,94 +1,129 @@
-"""The ledger of claims as a table, a page and LaTeX."""
+"""The ledger: the paper's questions with their answers, as a table, a page and LaTeX."""
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from neol.base.files import write_atomically
 from neol.pictures.labels import three_figures
 from neol.study.campaign.grid import cells
-from neol.study.claims import claims
-from neol.study.claims.claims import Decision, PartVerdict
+from neol.study.claims import verdicts
+from neol.study.claims.effect import Effect
+from neol.study.claims.plan import frozen_plan
+from neol.study.claims.questions import Claim
+from neol.study.claims.verdicts import Answer, Finding, Verdict
 from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.statistics import ALPHA
 from neol.study.output.captions import describe_budget
 from neol.study.output.latex import escape
 from neol.study.output.sidecar import write_sidecar
 
-
-def as_table(decisions: Sequence[Decision]) -> pd.DataFrame:
-    """A row for each part of each claim, at full precision."""
-    return pd.DataFrame(
-        [
-            {
-                "claim": decision.claim.id,
-                "place": decision.claim.place,
-                "verdict": decision.verdict,
-                "tasks": ",".join(sorted({cell.task for cell in finding.part.cells if cell})),
-                "part": finding.part.label,
-                "part_verdict": finding.verdict,
-                "decisive": finding is decision.decisive,
-                "reason": finding.reason,
-                "effect": finding.effect,
-                "low": finding.low,
-                "high": finding.high,
-                "p": finding.p,
-                "seeds": finding.seeds,
-                "seeds_needed": finding.needed,
-                "metric": finding.part.metric,
-                "unit": finding.part.unit,
-            }
-            for decision in decisions
-            for finding in decision.findings
-        ]
-    )
+WHOLE = "all"
+"""What the row of a question as a whole is called."""
+PAPERS_WORDS: dict[Verdict, str] = {
+    "reproduced": "shown",
+    "same direction": "shown",
+    "not reproduced": "not shown",
+}
+"""What a verdict is called where the runs are the paper's own."""
 
 
-def as_markdown(decisions: Sequence[Decision], budget: str) -> str:
-    """The ledger as a page: what is decided how, a summary, and each claim with its parts."""
-    counts = Counter(decision.verdict for decision in decisions)
-    rules = (claims.__doc__ or "").split("\n\n", 1)[1].strip()
+def as_table(answers: Sequence[Answer]) -> pd.DataFrame:
+    """A row for each part of each question, and one for the whole, at full precision."""
+    return pd.DataFrame([row for answer in answers for row in _rows(answer)])
+
+
+def _rows(answer: Answer) -> Iterator[dict[str, Any]]:
+    question = answer.question
+    about = {
+        "question": question.id,
+        "family": question.family,
+        "verdict": answer.verdict,
+        "reason": answer.reason,
+        "papers_verdict": answer.papers and PAPERS_WORDS.get(answer.papers, answer.papers),
+        "tasks": ",".join(question.tasks),
+    }
+    whole = {
+        "for": answer.counts["for"],
+        "against": answer.counts["against"],
+        "open": answer.counts["open"],
+        "p": answer.p,
+        "p_holm": answer.p_holm,
+        "compatible": answer.compatible,
+        "seeds_needed": answer.seeds_needed,
+        "fresh_effect": math.nan if answer.fresh is None else answer.fresh.value,
+        "fresh_error": math.nan if answer.fresh is None else answer.fresh.error,
+    }
+    numbers = {} if answer.whole is None else _numbers(answer.whole)
+    yield about | {"part": WHOLE, "seeds": answer.seeds} | numbers | whole
+    for part in answer.parts:
+        yield about | {"part": part.evidence.label, "seeds": answer.seeds} | _numbers(part)
+
+
+def _numbers(finding: Finding) -> dict[str, Any]:
+    """The state and effect of a part; the paper's interval is that of a single 95% one."""
+    ours, paper = finding.evidence.ours, finding.evidence.paper
+    paper_low, paper_high = paper.interval(1 - ALPHA) if paper else (math.nan, math.nan)
+    return {
+        "state": finding.state,
+        "effect": ours.value if ours else math.nan,
+        "low": finding.low,
+        "high": finding.high,
+        "paper_effect": paper.value if paper else math.nan,
+        "paper_low": paper_low,
+        "paper_high": paper_high,
+        "margin": finding.evidence.margin,
+    }
+
+
+def count_words(answers: Sequence[Answer]) -> str:
+    """How many questions have which verdict: 3 reproduced, 1 inconclusive."""
+    counts = Counter(answer.verdict for answer in answers)
+    return ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
+
+
+def as_markdown(answers: Sequence[Answer], claims: Sequence[Claim], budget: str) -> str:
+    """The ledger as a page: the rules, a summary, and each question with its parts and quotes."""
+    plan = frozen_plan()
     lines = [
-        "# The paper's claims",
-        f"{budget}",
-        f"Of {len(decisions)} claims {counts['supported']} are supported, "
-        f"{counts['contradicted']} contradicted and {counts['undecided']} undecided at this "
-        "budget.",
-        rules,
-        "| claim | place | verdict | parts supported | hangs on | effect [95% interval] | n |\n"
-        "| --- | --- | --- | --- | --- | --- | --- |\n"
-        + "\n".join(_markdown_row(decision) for decision in decisions),
-    ]
-    for decision in decisions:
-        lines += _section(decision)
+        "# The paper's questions",
+        budget,
+        f"{len(answers)} questions stand for {len(claims)} sentences of the paper: "
+        f"{count_words(answers)}. {plan}",
+        (verdicts.__doc__ or "").strip(),
+        _grid(
+            ["question", "verdict", "parts for / against / open", "effect [interval]",
+             "the paper's effect [95%]", "the paper's own numbers", "seeds"],
+            [_summary(answer) for answer in answers],
+        ),
+    ]  # fmt: skip
+    for answer in answers:
+        quotes = [each for each in claims if answer.question.id in each.questions]
+        lines += _section(answer, quotes)
     return "\n\n".join(lines) + "\n"
 
 
-def as_latex(decisions: Sequence[Decision], budget: str) -> str:
+def as_latex(answers: Sequence[Answer], budget: str) -> str:
     """The summary as a long table for \\input; it needs the packages booktabs and longtable."""
-    head = "Claim & Place & Verdict & Parts & Effect [95\\% interval] & $n$ \\\\"
-    rows = []
-    for decision in decisions:
-        decisive = decision.decisive
-        entries = [
-            decision.claim.quote,
-            decision.claim.place,
-            decision.verdict,
-            f"{decision.supported}/{len(decision.findings)}",
-            _effect(decisive),
-            str(decisive.seeds or "--"),
-        ]
-        rows.append("  " + " & ".join(map(escape, entries)) + " \\\\")
+    head = "Question & Verdict & Parts & Effect [interval] & Paper & Its own & $n$ \\\\"
+    rows = [
+        "  " + " & ".join(map(escape, [answer.question.ask, *_summary(answer)[1:]])) + " \\\\"
+        for answer in answers
+    ]
     caption = (
-        "The paper's claims, decided on records. Effect: of the part that the verdict hangs on, "
-        f"signed so that the claim says above 0. {budget}"
+        "The questions that the paper's claims come down to. Parts: for / against / open. Effect: "
+        "of all rules together, with the interval of the last complete look. Paper: the effect "
+        f"that its tables print. Its own: the verdict on these numbers by the same rules. {budget}"
     )
     return "\n".join(
         [
             "\\begingroup\\footnotesize\\setlength{\\tabcolsep}{3pt}",
-            "\\begin{longtable}{p{0.47\\linewidth}llcp{0.22\\linewidth}r}",
+            "\\begin{longtable}{p{0.27\\linewidth}p{0.11\\linewidth}p{0.08\\linewidth}"
+            "p{0.17\\linewidth}p{0.17\\linewidth}p{0.09\\linewidth}r}",
             f"  \\caption*{{{escape(caption)}}}\\\\",
             "  \\toprule",
             f"  {head}",
@@ -104,64 +139,78 @@ def as_latex(decisions: Sequence[Decision], budget: str) -> str:
     )
 
 
-def _section(decision: Decision) -> list[str]:
-    claim = decision.claim
-    lines = [f"## {claim.id}: {decision.verdict}", f"> {claim.quote}\n>\n> ({claim.place})"]
-    lines += [f"Reading: {claim.reading}"] if claim.reading else []
-    lines += [f"Note: {claim.note}"] if claim.note else []
+def _summary(answer: Answer) -> list[str]:
+    whole, counts = answer.whole, answer.counts
+    ours = _effect(whole.evidence.ours, whole.low, whole.high) if whole else "--"
+    paper = whole.evidence.paper if whole else None
+    return [
+        f"[{answer.question.id}](#{_anchor(answer)})",
+        answer.verdict,
+        f"{counts['for']} / {counts['against']} / {counts['open']}",
+        ours,
+        _effect(paper, *paper.interval(1 - ALPHA)) if paper else "--",
+        "--" if answer.papers is None else PAPERS_WORDS.get(answer.papers, answer.papers),
+        str(answer.seeds or "--"),
+    ]
+
+
+def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
+    question = answer.question
+    reason = f" ({answer.reason})" if answer.reason else ""
+    lines = [f"## {question.id}: {answer.verdict}", f"{question.ask}{reason}"]
+    if not math.isnan(answer.p_holm):
+        lines.append(
+            f"Two-sided p = {answer.p:.3g}, all looks paid for; {answer.p_holm:.3g} after Holm's "
+            f"correction over the family `{question.family}`."
+        )
+    if not math.isnan(answer.seeds_needed) and answer.verdict == "inconclusive":
+        lines.append(f"The paper's effect takes about {answer.seeds_needed:.0f} seeds.")
+    if answer.fresh is not None:
+        low, high = answer.fresh.interval()
+        lines.append(f"Seeds 10 and up alone: {_effect(answer.fresh, low, high)} (95%).")
     rows = [
-        f"| {finding.part.label} | {finding.verdict} | {_effect(finding)} | {finding.part.unit} "
-        f"| {_p(finding)} | {finding.seeds or '--'} | {_seeds(finding.needed)} | {finding.reason} |"
-        for finding in decision.findings
-    ]
-    head = (
-        "| part | verdict | effect [95% interval] | of | p | n | needed | why |\n"
-        + "| --- " * 8
-        + "|"
-    )
-    return [*lines, "\n".join([head, *rows])]
+        [part.evidence.label, part.state or "--", _effect(part.evidence.ours, part.low, part.high),
+         "--" if part.evidence.paper is None else three_figures(part.evidence.paper.value)]
+        for part in answer.parts
+    ]  # fmt: skip
+    lines.append(_grid(["part", "is", "effect [interval]", "the paper's effect"], rows))
+    lines += [f"> {each.quote} ({each.place})" for each in quotes]
+    return lines
 
 
-def _markdown_row(decision: Decision) -> str:
-    decisive, claim = decision.decisive, decision.claim
-    entries = [
-        f"[{claim.id}](#{claim.id}-{decision.verdict})",
-        claim.place,
-        decision.verdict,
-        f"{decision.supported}/{len(decision.findings)}",
-        decisive.part.label,
-        _effect(decisive),
-        str(decisive.seeds or "--"),
-    ]
-    return f"| {' | '.join(entries)} |"
+def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    table = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(row)} |" for row in table)
 
 
-def _effect(finding: PartVerdict) -> str:
-    if math.isnan(finding.effect):
-        return finding.reason or "--"
-    effect, low, high = map(three_figures, (finding.effect, finding.low, finding.high))
-    return f"{effect} [{low}, {high}]"
+def _anchor(answer: Answer) -> str:
+    return f"{answer.question.id}-{answer.verdict.replace(' ', '-')}"
 
 
-def _p(finding: PartVerdict) -> str:
-    return "" if math.isnan(finding.p) else f"{finding.p:.3g}"
+def _effect(effect: Effect | None, low: float, high: float) -> str:
+    if effect is None:
+        return "--"
+    value, *ends = map(three_figures, (effect.value, low, high))
+    return f"{value} [{ends[0]}, {ends[1]}]"
 
 
-def _seeds(needed: float) -> str:
-    return f"{needed:.0f}" if needed < 10_000 else "--"
+def write_ledger(
+    folder: Path, answers: Sequence[Answer], claims: Sequence[Claim], *campaigns: Campaign
+) -> None:
+    """Write claims.tex, claims.csv (each part, full precision), claims.md and claims.json.
 
-
-def write_ledger(folder: Path, decisions: Sequence[Decision], campaign: Campaign) -> None:
-    """Write claims.tex, claims.csv (each part, full precision), claims.md and claims.json."""
+    Captions are about the first of the campaigns.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    budget = describe_budget(campaign.configuration)
+    configuration = campaigns[0].configuration
+    budget = describe_budget(configuration)
     contents = {
-        "tex": f"{as_latex(decisions, budget)}\n",
-        "csv": as_table(decisions).to_csv(index=False),
-        "md": as_markdown(decisions, budget),
+        "tex": f"{as_latex(answers, budget)}\n",
+        "csv": as_table(answers).to_csv(index=False),
+        "md": as_markdown(answers, claims, budget),
     }
     outputs = [folder / f"claims.{kind}" for kind in contents]
     for path, content in zip(outputs, contents.values(), strict=True):
         write_atomically(path, content.encode())
-    sources = campaign.sources(cells(campaign.configuration))
-    write_sidecar(outputs, campaign.configuration, sources)
+    sources = [each for one in campaigns for each in one.sources(cells(one.configuration))]
+    write_sidecar(outputs, configuration, sources)

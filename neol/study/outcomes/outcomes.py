@@ -103,6 +103,12 @@ class Outcomes:
         """How many of its seeds a cell lacks."""
         return self.budget.seed_count - len(self._by_cell.get(cell, ()))
 
+    def leading(self, cell: Cell) -> int:
+        """How many of the budget's first seeds a cell has, up to the first that is missing."""
+        there = set(self._by_cell[cell]["seed"]) if cell in self._by_cell else set()
+        seeds = self.budget.seed_range
+        return next((place for place, seed in enumerate(seeds) if seed not in there), len(seeds))
+
     def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:
         """All cells of a task and some methods."""
         return [cell for cell in self.cells if cell.task == task and cell.method in methods]
@@ -125,21 +131,22 @@ class Outcomes:
         return {_cell(*place): runs for place, runs in groups}  # type: ignore[arg-type]
 
 
-def gather(campaign: Campaign) -> Outcomes:
-    """The outcomes of all runs of a campaign."""
+def gather(campaign: Campaign, *further: Campaign) -> Outcomes:
+    """The outcomes of all runs of a campaign, and of further ones whose cells it does not have."""
     configuration = campaign.configuration
-    grid = tuple(cells(configuration))
-    rows = [row for cell in grid for row in _rows(campaign, cell)]
+    campaigns = dict.fromkeys(cells(configuration), campaign)
+    campaigns |= {cell: each for each in further for cell in cells(each.configuration)}
+    rows = [row for cell, each in campaigns.items() for row in _rows(each, cell)]
     columns = ["task", "method", "population", "learning_rate", "seed", *_OWN]
     return Outcomes(
         pd.DataFrame(rows, columns=columns).astype(
             dict.fromkeys(["learning_rate", *_OWN], np.float64)
         ),
-        grid,
+        tuple(campaigns),
         {setting: candidates(configuration, setting) for setting in SETTINGS},
         configuration.budget,
-        {cell: campaign.runs(cell).rows for cell in grid},
-        frozenset(cell for cell in grid if is_near_control(campaign, cell)),
+        {cell: each.runs(cell).rows for cell, each in campaigns.items()},
+        frozenset(cell for cell, each in campaigns.items() if is_near_control(each, cell)),
     )
 
 

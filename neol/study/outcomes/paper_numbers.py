@@ -2,7 +2,8 @@
 
 import csv
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from functools import cache
 
 from neol.study.campaign.grid import REFERENCE
 from neol.study.outcomes.contrasts import Moments
@@ -97,9 +98,10 @@ def settings(table: int) -> dict[tuple[str, str], tuple[int, float | None]]:
     }
 
 
-def _rows(name: str, table: int) -> Iterator[dict[str, str]]:
+@cache
+def _rows(name: str, table: int) -> tuple[dict[str, str], ...]:
     with (REFERENCE / f"{name}.csv").open(encoding="utf-8", newline="") as file:
-        yield from (row for row in csv.DictReader(file) if row["table"] == str(table))
+        return tuple(row for row in csv.DictReader(file) if row["table"] == str(table))
 
 
 def _optional(number: str) -> float | None:

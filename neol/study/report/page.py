@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import markupsafe
+import pandas as pd
 from markdown_it import MarkdownIt
 
 from neol.base.files import write_atomically
@@ -19,8 +20,8 @@ from neol.run.provenance import checkout, describe_checkout
 from neol.run.record import campaign_name
 from neol.spec.configuration import ROOT
 from neol.study.campaign.shown import snakemake_options
-from neol.study.claims import open_claims
-from neol.study.claims.claims import Claim, load_claims
+from neol.study.claims.ledger import WHOLE
+from neol.study.claims.plan import frozen_plan
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.output.captions import describe_budget, lacking
 from neol.study.output.sidecar import INPUTS, Sidecar
@@ -33,6 +34,7 @@ from neol.study.report.common import (
     verified_frame,
     verified_table,
 )
+from neol.study.report.results import answered
 from neol.study.report.showcase import Showcase, Shown
 from neol.study.workflow.exhibits import Exhibit, exhibits
 
@@ -46,17 +48,6 @@ class Displayed:
     origin: Sidecar
 
 
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """A claim with its parts, as claims.csv has them."""
-
-    claim: Claim
-    verdict: str
-    parts: list[dict[Hashable, Any]]
-    lacks: str | None
-    """Of an open claim: why it is open, or the seeds that would decide it."""
-
-
 def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     """The report as HTML.
 
@@ -64,7 +55,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     Raises UserError where a file is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
-    judged = _judged(figures)
+    questions = _answered(verified_frame(figures / "claims.csv"))
     budget = configuration.budget
     tables = [_table(campaign, figures, each) for each in exhibits(budget, "tables", "numbers")]
     paper_figures = [_figure(figures, each) for each in exhibits(budget, "figures")]
@@ -81,8 +72,9 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
-        judged=judged,
-        counts=Counter(each.verdict for each in judged),
+        questions=questions,
+        counts=Counter(each["verdict"] for each in questions),
+        plan=frozen_plan(),
         tables=tables,
         figures=paper_figures,
         beyond=beyond,
@@ -105,18 +97,12 @@ def _figure(figures: Path, exhibit: Exhibit) -> Displayed:
     return Displayed(exhibit, image, sidecar)
 
 
-def _judged(figures: Path) -> list[Judged]:
-    claims = {claim.id: claim for claim in load_claims()}
-    ledger = verified_frame(figures / "claims.csv")
-    lacks = open_claims.lacks_of_open(ledger)
+def _answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
+    """Each question with its answer and its parts."""
+    parts = ledger[ledger["part"] != WHOLE]
     return [
-        Judged(
-            claims[str(name)],
-            parts["verdict"].iloc[0],
-            parts.to_dict("records"),
-            lacks.get(str(name)),
-        )
-        for name, parts in ledger.groupby("claim", sort=False)
+        row | {"parts": parts[parts["question"] == row["question"]].to_dict("records")}
+        for row in answered(ledger)
     ]
 
 

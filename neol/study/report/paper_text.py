@@ -12,9 +12,11 @@ from pathlib import Path
 import pandas as pd
 
 from neol.base.files import write_atomically
-from neol.pictures.labels import task_label
+from neol.pictures.labels import listed, task_label
 from neol.spec.configuration import Configuration
-from neol.study.claims import open_claims
+from neol.study.claims.ledger import WHOLE
+from neol.study.claims.plan import frozen_plan
+from neol.study.claims.questions import load_claims
 from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.effects import FITNESS
@@ -101,7 +103,6 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
     """The sentences that docs/results.md has too."""
     configuration = campaign.configuration
     effects = verified_frame(figures / "beyond_effects.csv")
-    steps = open_claims.steps(verified_frame(figures / "claims.csv"), configuration)
     sensitivity = verified_frame(figures / "beyond_sensitivity.csv")
     return {
         "toldapart": _items(words.told_apart(effects, FITNESS, "neat")),
@@ -109,10 +110,7 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
         "summary": escape(" ".join(words.summary(effects))),
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(words.flattered(verified_frame(figures / "beyond_selection.csv"))),
-        "opensteps": "".join(
-            rf"{escape(step.takes)} & {step.claims} & {escape(step.core_hours)} \\ "
-            for step in steps
-        ),
+        "plan": escape(frozen_plan().replace("`", "")),
         "toldbysensitivity": _items(words.told_by_sensitivity(sensitivity)),
         "trials": escape(describe_trials(configuration)),
         "onespecies": _items(words.one_species(campaign)),
@@ -173,15 +171,13 @@ def _of_costs(spent: pd.DataFrame) -> Iterator[tuple[str, str]]:
 
 
 def _of_claims(parts: pd.DataFrame) -> dict[str, str]:
-    verdicts = parts.groupby("claim", sort=False)["verdict"].first()
-    counts = {
-        verdict: int((verdicts == verdict).sum())
-        for verdict in ("supported", "contradicted", "undecided")
-    }
+    whole = parts[parts["part"] == WHOLE]
+    counts = whole["verdict"].value_counts()
     return {
-        **{f"claims/{claim}/verdict": str(verdict) for claim, verdict in verdicts.items()},
-        **{f"claims/count/{verdict}": str(count) for verdict, count in counts.items()},
-        "claims/count/all": str(len(verdicts)),
+        "claims/count/all": str(len(whole)),
+        "claims/quotes": str(len(load_claims())),
+        "claims/counted": listed(f"{count} {verdict}" for verdict, count in counts.items()),
+        **dict(zip("claims/" + whole["question"] + "/verdict", whole["verdict"], strict=True)),
     }
 
 

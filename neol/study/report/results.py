@@ -1,11 +1,11 @@
-"""The page docs/results.md: what a budget supports, contradicts and leaves open.
+"""The page docs/results.md: what a budget says to the paper's questions.
 
 Another budget than the shown one has docs/results-paper-cartpole.md or the like. `results.md.j2`
 is its text, `words` has its sentences.
 """
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +13,21 @@ import pandas as pd
 
 from neol.base.files import write_atomically
 from neol.pictures.labels import three_figures
+from neol.spec.configuration import PAPER_BUDGET, load_configuration
+from neol.study.campaign.cost import core_hours
 from neol.study.campaign.shown import snakemake_options
-from neol.study.claims import open_claims
-from neol.study.claims.claims import load_claims
+from neol.study.claims.ledger import WHOLE
+from neol.study.claims.plan import frozen_plan
+from neol.study.claims.questions import load_claims, load_questions
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
 from neol.study.output.captions import describe_budget, describe_trials, lacking
 from neol.study.report import words
 from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
+
+OPEN = ("too short", "not asked here")
+"""Verdicts that a larger budget would replace."""
 
 
 def page(campaign: Campaign, figures: Path, name: str) -> str:
@@ -34,7 +40,8 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     ledger = verified_frame(figures / "claims.csv")
     effects = verified_frame(figures / "beyond_effects.csv")
     spent = costs(campaign)
-    estimated = open_claims.core_hours(configuration, configuration.budget.seed_count)
+    estimated = core_hours(configuration)
+    papers = core_hours(load_configuration(PAPER_BUDGET, reading=configuration.reading))
     return render(
         "results.md.j2",
         name=name,
@@ -52,8 +59,10 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         near_control=NEAR_CONTROL_WORDS,
         flattered=words.flattered(verified_frame(figures / "beyond_selection.csv")),
         table=table._repr_html_(),
-        judged=_judged(ledger),
-        steps=open_claims.steps(ledger, configuration),
+        answered=answered(ledger),
+        plan=frozen_plan(),
+        open_count=int(ledger.loc[ledger["part"] == WHOLE, "verdict"].isin(OPEN).sum()),
+        papers_budget="nothing" if papers is None else three_figures(papers),
         estimated="nothing" if estimated is None else three_figures(estimated),
         spent=three_figures(spent["core_hours"]["all"]),
         trials=describe_trials(configuration),
@@ -62,22 +71,27 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     )
 
 
-def _judged(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
-    """Each claim with the part that its verdict hangs on, and what an open one lacks."""
-    claims = {claim.id: claim for claim in load_claims()}
-    lacks = open_claims.lacks_of_open(ledger)
-    rows = ledger[ledger["decisive"]].to_dict("records")
+def answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
+    """Each question with its answer and the sentences of the paper that raise it."""
+    asked = {question.id: question for question in load_questions()}
+    claims = load_claims()
+    rows = ledger[ledger["part"] == WHOLE].to_dict("records")
     for row in rows:
-        name = row["claim"]
-        row |= {"said": claims[name], "told": _effect(row), "lacks": lacks.get(name)}
+        name = row["question"]
+        row |= {
+            "ask": asked[name].ask,
+            "ours": _effect(row, ("effect", "low", "high")),
+            "papers": _effect(row, ("paper_effect", "paper_low", "paper_high")),
+            "quotes": [claim for claim in claims if name in claim.questions],
+        }
     return rows
 
 
-def _effect(row: Mapping[Any, Any]) -> str:
-    if math.isnan(row["effect"]):
+def _effect(row: Mapping[Any, Any], columns: Sequence[str]) -> str:
+    if math.isnan(row[columns[0]]):
         return "--"
-    effect, low, high = (three_figures(row[name]) for name in ("effect", "low", "high"))
-    return f"{effect} [{low}, {high}] {row['unit']}"
+    value, low, high = (three_figures(row[column]) for column in columns)
+    return f"{value} [{low}, {high}]"
 
 
 def write_page(campaign: Campaign, figures: Path, output: Path) -> None:

@@ -4,7 +4,6 @@ Every sentence is made of cells of a budget's tables and says no more than the i
 comparison whose interval holds "no difference" is not distinguishable.
 """
 
-from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,27 +14,27 @@ from neol.pictures.labels import listed, method_label, task_label, three_figures
 from neol.study.campaign.grid import cells
 from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE, variants
+from neol.study.claims.ledger import WHOLE
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.effects import OUTCOMES
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
 
+DECIDED = ("reproduced", "same direction", "mixed", "not reproduced", "equivalent to zero")
+"""Verdicts that are answers."""
+
 
 def verdicts(ledger: pd.DataFrame) -> list[str]:
-    """How many claims came out how, and the tasks whose runs decided those that are decided."""
-    claims = ledger.groupby("claim", sort=False)
-    verdict = claims["verdict"].first()
-    counts = Counter(verdict)
-    sentences = [
-        f"Of {len(verdict)} claims of the paper this budget supports {counts['supported']}, "
-        f"contradicts {counts['contradicted']} and leaves {counts['undecided']} open; claims "
-        "overlap, so that is no count of independent findings."
-    ]
-    for each in ("supported", "contradicted"):
-        parts = ledger[(ledger["verdict"] == each) & (ledger["part_verdict"] == each)]
-        tasks = dict.fromkeys(task for some in parts["tasks"] for task in some.split(","))
-        if tasks:
-            sentences.append(f"What is {each} is about {listed(map(task_label, tasks))}.")
+    """How many questions have which verdict, and which are decided."""
+    whole = ledger[ledger["part"] == WHOLE]
+    counts = whole["verdict"].value_counts(sort=False)
+    listed_counts = listed(f"{count} {verdict}" for verdict, count in counts.items())
+    sentences = [f"The paper's claims come down to {len(whole)} questions: {listed_counts}."]
+    for verdict in DECIDED:
+        names = whole.loc[whole["verdict"] == verdict, "question"]
+        if len(names):
+            named = listed(f"`{name}`" for name in names)
+            sentences.append(f"{verdict.capitalize()}: {named}.")
     return sentences
 
 

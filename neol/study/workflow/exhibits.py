@@ -12,13 +12,16 @@ from typing import Literal
 from neol.pictures.labels import task_label
 from neol.spec.configuration import Configuration
 from neol.spec.constants import Budget
-from neol.study.campaign.grid import blocks
+from neol.study.campaign.grid import RESULTS, blocks
+from neol.study.campaign.shown import two_by_two
 from neol.study.campaign.variants import trials, variants
 from neol.study.outcomes.chosen_cells import candidates
 
 Target = Literal["tables", "numbers", "figures", "claims", "beyond"]
 GRID = "grid"
 """Name of the records of all cells."""
+LEDGER = "ledger"
+"""Name of the same, with the records there are of the rules with weight mutation."""
 TRIALS = "sensitivity study"
 """Name of the records of the sensitivity study."""
 
@@ -49,10 +52,10 @@ class Exhibit:
     notebook: str
     """Stem of the notebook that makes it."""
     reads: str
-    """Records it needs: candidates of a setting in `outcomes.chosen_cells`, `GRID` or `TRIALS`."""
+    """Records it needs: candidates of a setting in `chosen_cells`, `GRID`, `LEDGER` or `TRIALS`."""
     caption: str
-    files: str | None = None
-    """Other input: a file of the repository, or a pattern of files."""
+    files: tuple[str, ...] = ()
+    """Other inputs: patterns of the repository's files."""
     task: str | None = None
     """The only task that it shows; it is omitted for a budget without this task."""
 
@@ -110,9 +113,10 @@ EXHIBITS = (
     heatmap("figure9", "lunar_lander", "mean SCORE"),
     heatmap("figure10", "hopper", "mean SCORE"),
     heatmap("figure11", "bipedal_walker", "mean SCORE"),
-    Exhibit("claims", CLAIMS, "claims", reads=GRID, files="paper/claims.yaml",
-        caption="Claims: every empirical claim of the paper with its verdict, effect and "
-        "interval."),
+    Exhibit("claims", CLAIMS, "claims", reads=LEDGER,
+        files=("paper/*.yaml", "paper/plan.md", "paper/frozen.txt"),
+        caption="Claims: the questions that the paper's claims come down to, each with its "
+        "verdict, effect and interval."),
     Exhibit("beyond_effects", BEYOND, "beyond", reads=GRID,
         caption="Effect sizes: the difference of means between each method and NEAT, and NEAT "
         "(w/o), with intervals, beside the paper's."),
@@ -127,7 +131,8 @@ EXHIBITS = (
     Exhibit("beyond_selection", BEYOND, "beyond", reads=GRID,
         caption="Selection bias: the champion's training maximum beside its mean return in "
         "fresh episodes."),
-    Exhibit("beyond_sensitivity", BEYOND, "beyond", reads=TRIALS, files="config/sensitivity/*.yaml",
+    Exhibit("beyond_sensitivity", BEYOND, "beyond", reads=TRIALS,
+        files=("config/sensitivity/*.yaml",),
         caption="Sensitivity: what some of the constants that the paper leaves open do to the "
         "champion's held-out return."),
 )
@@ -155,7 +160,10 @@ def records(configuration: Configuration, reads: str) -> list[Path]:
     """Return the records that an exhibit of a budget needs, below the results folder."""
     if reads == TRIALS:
         return [trial.record for name in variants() for trial in trials(configuration, name)]
-    if reads == GRID:
-        return [block.record for block in blocks(configuration)]
+    if reads in (GRID, LEDGER):
+        further = two_by_two(configuration) if reads == LEDGER else []
+        also = [block.record for each in further for block in blocks(each)]
+        there = [record for record in also if (RESULTS / record).exists()]
+        return [block.record for block in blocks(configuration)] + there
     cells = {cell for among in candidates(configuration, reads).values() for cell in among}
     return [block.record for block in blocks(configuration) if block.cell in cells]

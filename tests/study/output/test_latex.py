@@ -2,7 +2,7 @@
 
 import pytest
 
-from neol.study.claims.claims import load_claims
+from neol.study.claims.questions import load_claims
 from neol.study.outcomes import paper_numbers
 from neol.study.output.latex import escape
 

@@ -6,8 +6,9 @@ import pytest
 from PIL import Image
 
 from neol.pictures.labels import TASK_LABELS
-from neol.study.claims.claims import decide, load_claims
 from neol.study.claims.ledger import write_ledger
+from neol.study.claims.questions import load_claims, load_questions
+from neol.study.claims.verdicts import answers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.effects import effect_sizes, selection_bias
 from neol.study.outcomes.outcomes import gather
@@ -28,15 +29,12 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 
 @pytest.fixture(scope="session")
 def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the page and the paper read of these runs; a ledger of two claims, a grey picture."""
+    """What the page and the paper read of these runs; the ledger, a grey picture."""
     folder = tmp_path_factory.mktemp("figures")
     for number in range(1, 9):
         getattr(paper_tables, f"table{number}")(campaign).write(folder)
     outcomes = gather(campaign)
-    some = [
-        claim for claim in load_claims() if claim.id in ("higher-returns", "cartpole-converges")
-    ]
-    write_ledger(folder, [decide(claim, outcomes) for claim in some], campaign)
+    write_ledger(folder, answers(load_questions(), outcomes), load_claims(), campaign)
     for name, table in {
         "beyond_effects": effect_sizes(outcomes, campaign.configuration.budget),
         "beyond_selection": selection_bias(outcomes),

@@ -16,8 +16,9 @@ from PIL import Image
 
 from neol.base.errors import UserError
 from neol.study.campaign.grid import cells
-from neol.study.claims.claims import decide, load_claims
 from neol.study.claims.ledger import write_ledger
+from neol.study.claims.questions import load_claims, load_questions
+from neol.study.claims.verdicts import answers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import gather
 from neol.study.output.sidecar import write_sidecar
@@ -63,8 +64,7 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
         Image.new("L", (900, 300), 128).save(picture)
         write_sidecar([picture], campaign.configuration, sources)
     outcomes = gather(campaign)
-    some = [claim for claim in load_claims() if "cartpole" in claim.id or claim.id == "table-5"]
-    write_ledger(folder, [decide(claim, outcomes) for claim in some], campaign)
+    write_ledger(folder, answers(load_questions(), outcomes), load_claims(), campaign)
     return folder
 
 
@@ -156,10 +156,12 @@ def test_it_names_its_budget_and_marks_it_as_reduced(text: str) -> None:
     assert "Reduced budget: not the paper&#39;s." in text
 
 
-def test_an_open_claim_has_one_part_that_it_hangs_on_and_what_would_decide_it(text: str) -> None:
-    claim = text.split('id="claim-cartpole-converges"')[1].split("</details>")[0]
-    assert claim.count("the verdict hangs on this part") == 1
-    assert "seeds that would decide it:</b> fewer than 5 seeds" in claim
+def test_a_question_has_its_answer_its_parts_and_its_quotes(text: str) -> None:
+    question = text.split('id="claim-cartpole-ceiling"')[1].split("</details>")[0]
+    assert '<span class="verdict not-asked-here">not asked here</span>' in question
+    assert "The budget lacks the paper&#39;s cells." in question
+    assert question.count('<tr><th scope="row">cartpole: ') == 5
+    assert "<q>In the simpler CartPole task, all methods rapidly converge" in question
 
 
 def test_foreign_text_is_escaped_and_an_unfilmed_champion_says_why(text: str) -> None:

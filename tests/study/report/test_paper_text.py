@@ -12,6 +12,7 @@ from neol.base.errors import UserError
 from neol.pictures.labels import TASK_LABELS
 from neol.spec.configuration import ROOT
 from neol.study.campaign.grid import cells
+from neol.study.claims.questions import load_questions
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.paper_numbers import CONTRADICTIONS
 from neol.study.report.paper_text import _notes, _number, numbers, results_tex
@@ -69,11 +70,11 @@ def test_costs_add_up(campaign: Campaign) -> None:
     assert spent.loc["hopper", "evaluations"] == by_hand * campaign.configuration.budget.seeds
 
 
-def test_verdicts_are_counted_by_claim(campaign: Campaign, figures: Path) -> None:
+def test_verdicts_are_counted_by_question(campaign: Campaign, figures: Path) -> None:
     there = numbers(campaign, figures)
-    assert there["claims/count/all"] == "2"
-    assert there["claims/count/contradicted"] == "1"
-    assert there["claims/cartpole-converges/verdict"] == "undecided"
+    assert there["claims/count/all"] == str(len(load_questions()))
+    assert there["claims/counted"] == "35 not asked here and 1 holds by construction"
+    assert there["claims/cartpole-ceiling/verdict"] == "not asked here"
 
 
 def test_a_missing_table_is_said(campaign: Campaign, tmp_path: Path) -> None:
@@ -87,7 +88,7 @@ def test_an_edited_file_is_refused(
 ) -> None:
     shutil.copytree(figures, tmp_path, dirs_exist_ok=True)
     file = tmp_path / edited
-    file.write_text(file.read_text().replace("7", "8").replace("undecided", "supported"))
+    file.write_text(file.read_text().replace("7", "8").replace("not asked", "asked"))
     with pytest.raises(UserError, match=rf"{edited}: changed since {file.stem}\.json was written"):
         numbers(campaign, tmp_path)
 
@@ -145,4 +146,3 @@ def test_macros_are_there(campaign: Campaign, figures: Path) -> None:
         assert rf"\newcommand{{\{macro}}}" in text
     for sentences in ("toldapart", "toldapartablation", "selectionbias", "toldbysensitivity"):
         assert rf"\newcommand{{\{sentences}}}{{\item " in text
-    assert r"\newcommand{\opensteps}{500 generations & 1 & " in text

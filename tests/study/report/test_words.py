@@ -83,20 +83,18 @@ def test_near_control_is_no_success_of_a_rule() -> None:
     assert "in final fitness, BCM on Hopper (higher)" in last
 
 
-def test_what_is_decided_names_its_tasks() -> None:
-    """A part without runs, or that is open, decides nothing."""
-    yes, no, open_ = "supported", "contradicted", "undecided"
-    parts = [
-        ("a", yes, yes, "cartpole"), ("a", yes, yes, "hopper"), ("b", yes, yes, "hopper"),
-        ("c", open_, yes, "lunar_lander"), ("c", open_, open_, math.nan),
-        ("d", no, yes, "cartpole"), ("d", no, open_, math.nan), ("d", no, no, "bipedal_walker"),
+def test_verdicts_are_counted_and_decided_questions_named() -> None:
+    """Parts are not counted."""
+    rows = [
+        ("a", "all", "reproduced"), ("a", "hopper: bcm", "reproduced"), ("b", "all", "too short"),
+        ("c", "all", "reproduced"), ("d", "all", "not reproduced"),
     ]  # fmt: skip
-    ledger = pd.DataFrame(parts, columns=["claim", "verdict", "part_verdict", "tasks"])
+    ledger = pd.DataFrame(rows, columns=["question", "part", "verdict"])
     assert words.verdicts(ledger) == [
-        "Of 4 claims of the paper this budget supports 2, contradicts 1 and leaves 1 open; claims "
-        "overlap, so that is no count of independent findings.",
-        "What is supported is about CartPole and Hopper.",
-        "What is contradicted is about Bipedal Walker.",
+        "The paper's claims come down to 4 questions: 2 reproduced, 1 too short and 1 not "
+        "reproduced.",
+        "Reproduced: `a` and `c`.",
+        "Not reproduced: `d`.",
     ]
 
 

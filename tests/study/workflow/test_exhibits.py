@@ -23,7 +23,7 @@ def test_no_two_have_the_same_files() -> None:
 def test_what_it_names_is_there(exhibit: Exhibit) -> None:
     assert (ROOT / "notebooks" / f"{exhibit.notebook}.ipynb").exists()
     assert records(load_configuration("demo"), exhibit.reads)
-    assert exhibit.files is None or list(ROOT.glob(exhibit.files))
+    assert all(list(ROOT.glob(each)) for each in exhibit.files)
 
 
 @pytest.mark.parametrize("exhibit", EXHIBITS, ids=lambda exhibit: exhibit.name)

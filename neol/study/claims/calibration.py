@@ -1,0 +1,178 @@
+"""What the ledger could say: made-up studies of known truth through the whole chain of verdicts.
+
+A study has all cells of the paper's budget with 30 seeds, each run drawn from a normal
+distribution, and is asked at each look. `python -m neol.study.claims.calibration` writes the table
+of docs/explanation/verdicts.md.
+"""
+
+import argparse
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from neol.base.files import read_bounded, write_atomically
+from neol.spec.configuration import ROOT, load_configuration
+from neol.study.campaign.grid import Cell, cells
+from neol.study.claims.looks import LOOKS
+from neol.study.claims.questions import RULES, load_questions
+from neol.study.claims.verdicts import Answer, Verdict, answers
+from neol.study.outcomes.outcomes import METRICS, Outcomes
+from neol.study.outcomes.paper_numbers import values
+from neol.study.outcomes.statistics import Floats
+
+PAGE = ROOT / "docs" / "explanation" / "verdicts.md"
+BEGIN, END = "<!-- calibration: begin -->\n", "<!-- calibration: end -->\n"
+TRUTHS = {
+    "null": "every method is NEAT",
+    "shift": "every rule is one standard deviation above NEAT and NEAT (w/o)",
+    "one better": "BCM is one standard deviation above all others, which are alike",
+    "paper": "every cell has the mean and the deviation that the paper prints for its method",
+}
+"""Made-up worlds; means and deviations of NEAT are the paper's."""
+COLUMNS = ("support", "reproduced", "contradiction", "open")
+SUPPORT: tuple[Verdict, ...] = ("reproduced", "same direction", "mixed")
+
+
+@dataclass(frozen=True)
+class MadeUp(Outcomes):
+    """Runs drawn from normal distributions; `available` of each cell are there."""
+
+    drawn: Mapping[tuple[Cell, str], Floats] = field(default_factory=dict)
+    available: int = LOOKS[-1]
+    by_method: Mapping[tuple[str, str], list[Cell]] = field(default_factory=dict)
+
+    def samples(self, compared: Sequence[Cell], metric: str) -> list[Floats]:
+        """The runs of some cells, by seed."""
+        return [self.drawn[cell, metric][: self.available] for cell in compared]
+
+    def leading(self, cell: Cell) -> int:
+        """All cells have as many."""
+        return self.available if (cell, "score") in self.drawn else 0
+
+    def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:
+        """All cells of a task and some methods."""
+        return [cell for method in methods for cell in self.by_method.get((task, method), ())]
+
+
+def simulated(truth: str, studies: int, seed: int = 0) -> Iterator[list[tuple[Answer, ...]]]:
+    """The answers of each study at each look."""
+    random = np.random.default_rng(seed)
+    questions = load_questions()
+    configuration = load_configuration("paper")
+    grid = cells(configuration)
+    by_method: dict[tuple[str, str], list[Cell]] = {}
+    for cell in grid:
+        by_method.setdefault((cell.task, cell.method), []).append(cell)
+    means = {(cell, metric): _truth(truth, cell, metric) for cell in grid for metric in METRICS}
+    for _ in range(studies):
+        noise = random.standard_normal((len(means), LOOKS[-1]))
+        drawn = {
+            place: mean + sd * each
+            for (place, (mean, sd)), each in zip(means.items(), noise, strict=True)
+        }
+        there = MadeUp(
+            pd.DataFrame(),
+            tuple(grid),
+            {},
+            configuration.budget,
+            drawn=drawn,
+            by_method=by_method,
+        )
+        yield [answers(questions, replace(there, available=seeds)) for seeds in LOOKS]
+
+
+def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
+    """By question, how often a study says what; columns are shares of the studies.
+
+    `support`: reproduced, same direction or mixed at any look; `contradiction`: not reproduced or
+    equivalent to zero at the last; `open`: inconclusive at the last. `papers` is the verdict that
+    the paper's own numbers get. Questions that hold by construction, or that the paper's budget
+    does not ask, are left out.
+    """
+    counts: dict[str, Counter[str]] = {}
+    papers: dict[str, Verdict | None] = {}
+    for looks in simulated(truth, studies, seed):
+        for at_looks in zip(*looks, strict=True):
+            last = at_looks[-1]
+            name, of = last.question.id, counts.setdefault(last.question.id, Counter())
+            papers[name] = last.papers
+            of["support"] += any(each.verdict in SUPPORT for each in at_looks)
+            of["reproduced"] += last.verdict == "reproduced"
+            of["contradiction"] += last.verdict in ("not reproduced", "equivalent to zero")
+            of["open"] += last.verdict == "inconclusive"
+            of["asked"] += last.verdict not in ("holds by construction", "not asked here")
+    rows = [
+        {"question": name, "papers": papers[name]}
+        | {
+            column: of[column] / studies
+            for column in ("support", "reproduced", "contradiction", "open")
+        }
+        for name, of in counts.items()
+        if of["asked"]
+    ]
+    return pd.DataFrame(rows)
+
+
+def families(truth: str, studies: int, seed: int = 0) -> dict[str, float]:
+    """How often a study supports at least one question of each family, at any look."""
+    any_of: Counter[str] = Counter()
+    for looks in simulated(truth, studies, seed):
+        supported = {
+            each.question.family
+            for answered in looks
+            for each in answered
+            if each.question.family and each.verdict in SUPPORT
+        }
+        any_of.update(family for family in supported if family)
+    names = [question.family for question in load_questions() if question.family]
+    return {name: any_of[name] / studies for name in dict.fromkeys(names)}
+
+
+def section(studies: int) -> str:
+    """The generated part of the page."""
+    tables = {truth: frequencies(truth, studies).set_index("question") for truth in TRUTHS}
+    lines = [
+        f"{studies} made-up studies of each world, asked at {LOOKS[0]}, {LOOKS[1]} and {LOOKS[2]} "
+        "seeds; support is counted at any look, the rest at the last. Shares of studies:",
+        "",
+        "| question | "
+        + " | ".join(f"{truth}: for / against" for truth in TRUTHS)
+        + " | the paper's own numbers |",
+        "| --- |" + " --- |" * (len(TRUTHS) + 1),
+    ]
+    for name, papers in tables["paper"]["papers"].items():
+        each = [tables[truth].loc[str(name)] for truth in TRUTHS]
+        shares = [f"{row['support']:.2f} / {row['contradiction']:.2f}" for row in each]
+        lines.append(f"| `{name}` | {' | '.join(shares)} | {papers or '--'} |")
+    lines += ["", *(f"- **{truth}**: {meaning}." for truth, meaning in TRUTHS.items())]
+    return "\n".join(lines) + "\n"
+
+
+def write_section(studies: int, page: Path = PAGE) -> None:
+    """Write the generated part of the page anew."""
+    text = read_bounded(page, 2**20).decode()
+    head, rest = text.split(BEGIN)
+    tail = rest.split(END)[1]
+    write_atomically(page, f"{head}{BEGIN}{section(studies)}{END}{tail}".encode())
+
+
+def _truth(truth: str, cell: Cell, metric: str) -> tuple[float, float]:
+    """Mean and deviation of a run."""
+    score = metric == "score"
+    method = cell.method if truth == "paper" else "neat"
+    table = (2, 8) if score else (1, 7)
+    mean, sd = values(table[method == "neat_wo"])[cell.task, method]
+    assert sd is not None
+    better = {"null": (), "shift": RULES, "one better": ("bcm",), "paper": ()}[truth]
+    shift = sd if cell.method in better and cell.task != "cartpole" else 0.0
+    return mean + shift, sd
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--studies", type=int, default=400, help="of each world")
+    write_section(parser.parse_args().studies)

@@ -1,0 +1,48 @@
+"""The plan that was frozen before the runs that it is for: paper/plan.md and paper/questions.yaml.
+
+paper/frozen.txt holds the SHA-256 of both; of the plan, of what stands above its list of later
+changes.
+"""
+
+import hashlib
+import subprocess
+from pathlib import Path
+
+from neol.base.files import read_bounded, sha256
+from neol.spec.configuration import ROOT
+from neol.study.claims.questions import QUESTIONS
+
+PLAN = ROOT / "paper" / "plan.md"
+FROZEN = ROOT / "paper" / "frozen.txt"
+LATER_CHANGES = "## Later changes"
+
+
+def frozen_plan() -> str:
+    """A sentence that names the plan, its SHA-256 and the commit that froze it."""
+    commit = _commit(FROZEN) or "unknown"
+    return f"Plan: `paper/plan.md`, SHA-256 `{plan_digest()[:16]}`, frozen at commit `{commit}`."
+
+
+def plan_digest(plan: Path = PLAN) -> str:
+    """SHA-256 of the plan without its list of later changes."""
+    text = read_bounded(plan, 2**20).decode()
+    return hashlib.sha256(text.split(LATER_CHANGES)[0].encode()).hexdigest()
+
+
+def digests() -> str:
+    """What paper/frozen.txt says, of the files as they are now."""
+    return f"{plan_digest()}  plan.md\n{sha256(QUESTIONS)}  questions.yaml\n"
+
+
+def _commit(path: Path) -> str | None:
+    """The last commit of a file; None outside a checkout, or before the first."""
+    log = ["git", "log", "-1", "--format=%h", "--abbrev=12", "--", str(path)]
+    try:
+        done = subprocess.run(log, cwd=path.parent, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return done.stdout.strip() or None
+
+
+if __name__ == "__main__":
+    print(digests(), end="")

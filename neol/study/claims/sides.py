@@ -1,0 +1,126 @@
+"""What is known of each side of a comparison: from our runs, and from the paper's tables."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from neol.spec.configuration import load_configuration
+from neol.study.campaign.grid import Cell
+from neol.study.claims.effect import Statistic, Summary
+from neol.study.claims.questions import Side
+from neol.study.outcomes.outcomes import Metric, Outcomes
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS, settings, values
+from neol.study.outcomes.statistics import Floats
+
+_TABLES = {
+    ("final_best", "neat"): 1,
+    ("final_best", "neat_wo"): 7,
+    ("score", "neat"): 2,
+    ("score", "neat_wo"): 8,
+}
+"""The paper's table of means by outcome and baseline."""
+_PRINTED = {"final_best": ("table3", "table4"), "score": ("largest",)}
+"""Cells whose means the paper prints."""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The cells that stand for a method on a task."""
+
+    cells: tuple[Cell, ...]
+    """None where the budget has none."""
+    one_of: bool
+    """Whether the best of them stands for the method; otherwise all do."""
+    papers: bool
+    """Whether they are what the paper asks about; otherwise what the budget has instead."""
+
+    def values(self, of_cell: Mapping[Cell, Floats]) -> Floats:
+        """float64[cells, seeds]; where one is chosen, by the even seeds, its odd ones."""
+        table = np.array([of_cell[cell] for cell in self.cells])
+        if not self.one_of or len(self.cells) == 1:
+            return table
+        best = int(np.argmax(table[:, 0::2].mean(axis=1)))
+        return table[best : best + 1, 1::2]
+
+
+@dataclass(frozen=True, slots=True)
+class Runs:
+    """Some of a campaign's seeds: the same places in the order of seeds for every cell."""
+
+    outcomes: Outcomes
+    begin: int
+    end: int
+
+    def tables(self, choices: Sequence[Choice], outcome: Metric) -> list[Floats]:
+        """The runs of each of some choices that are compared with each other."""
+        cells = list(dict.fromkeys(cell for choice in choices for cell in choice.cells))
+        samples = self.outcomes.samples(cells, outcome)
+        of_cell = {
+            cell: sample[self.begin : self.end] for cell, sample in zip(cells, samples, strict=True)
+        }
+        return [choice.values(of_cell) for choice in choices]
+
+    def summaries(
+        self, sides: Sequence[Sequence[Choice]], outcome: Metric, statistic: Statistic = "mean"
+    ) -> list[Summary]:
+        """Each of some sides that are compared with each other: its methods together."""
+        tables = iter(self.tables([choice for side in sides for choice in side], outcome))
+        return [
+            Summary.of_runs(
+                np.concatenate([next(tables) for _ in side]), spread=statistic == "spread"
+            )
+            for side in sides
+        ]
+
+
+def choose(outcomes: Outcomes, side: Side, task: str, method: str) -> Choice:
+    """The cells that a side of a question names."""
+    grid = outcomes.grid(task, [method])
+    largest = max((cell.population for cell in grid), default=0)
+    if side.cells in ("table3", "table4"):
+        named = settings(int(side.cells[-1])).get((task, method))
+        found = [cell for cell in grid if (cell.population, cell.learning_rate) == named]
+        if found:
+            return Choice(tuple(found), one_of=False, papers=True)
+        return Choice(_of_size(grid, largest), one_of=True, papers=False)
+    sizes, rates = _papers_grid()
+    if side.cells == "largest":
+        cells = _of_size(grid, largest)
+        papers = largest == max(sizes) and _rates(cells) in ({None}, set(rates))
+        return Choice(cells, one_of=True, papers=papers)
+    wanted = side.populations or sizes, side.learning_rates or rates
+    cells = tuple(
+        cell
+        for cell in grid
+        if cell.population in wanted[0] and cell.learning_rate in (None, *wanted[1])
+    )
+    expected = len(wanted[0]) * (1 if _rates(cells) == {None} else len(wanted[1]))
+    return Choice(cells, one_of=side.cells == "best", papers=len(cells) == expected)
+
+
+def printed(
+    side: Side, outcome: str, task: str, methods: Iterable[str], baseline: str
+) -> Summary | None:
+    """What the paper prints of some methods, in the table that compares them with a baseline."""
+    if side.cells not in _PRINTED.get(outcome, ()) or baseline not in ("neat", "neat_wo"):
+        return None
+    table = values(_TABLES[outcome, baseline])
+    found = [table.get((task, method), (None, None)) for method in methods]
+    numbers = [(mean, sd) for mean, sd in found if mean is not None and sd is not None]
+    return Summary.printed(numbers, PAPER_SEEDS) if len(numbers) == len(found) else None
+
+
+def _of_size(cells: Iterable[Cell], population: int) -> tuple[Cell, ...]:
+    return tuple(cell for cell in cells if cell.population == population)
+
+
+def _rates(cells: Iterable[Cell]) -> set[float | None]:
+    return {cell.learning_rate for cell in cells}
+
+
+@cache
+def _papers_grid() -> tuple[tuple[int, ...], tuple[float, ...]]:
+    budget = load_configuration("paper").budget
+    return budget.populations, budget.learning_rates
