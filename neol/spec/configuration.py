@@ -148,7 +148,9 @@ def load_configuration(
     constants = read_reading(READINGS, reading_name).constants
     overlay.add((), constants, f"{READINGS.name}/{reading_name}.yaml")
     overlay.add_file(CONFIG / f"{budget}.yaml")
-    for override in (*changes, *overrides):
+    for change in changes:
+        overlay.add_override(change, "--reading")
+    for override in overrides:
         overlay.add_override(override)
     for option, loc, value in options:
         overlay.add_option(option, loc, value)

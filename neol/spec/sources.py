@@ -40,13 +40,13 @@ class Overlay:
         self._sources[()] = name  # a missing key is to be added in the last file
         self._merge(self.values, content, name, ())
 
-    def add_override(self, override: str) -> None:
-        """Lay one value over the present ones, written like "neat.elitism=3" (--set)."""
+    def add_override(self, override: str, source: str = "--set") -> None:
+        """Lay one value over the present ones, written like "neat.elitism=3"."""
         key, equals, value = override.partition("=")
         path = key.strip().split(".")
         if not (equals and all(path) and len(path) <= DEEPEST):
-            raise UserError(f'--set "{override}": write it as key=value, like neat.elitism=3')
-        self.add(tuple(path), parse_yaml(value, f"--set {override}"), "--set")
+            raise UserError(f'{source} "{override}": write it as key=value, like neat.elitism=3')
+        self.add(tuple(path), parse_yaml(value, f"{source} {override}"), source)
 
     def add_option(self, option: str, loc: tuple[str, ...], value: str) -> None:
         """Lay the value of a command-line option over the present values."""

@@ -199,7 +199,7 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
         ),
         (
             ["tables", "--config", "set=neat.elitsm=3"],
-            '--set: neat.elitsm: unknown key, did you mean "elitism"?',
+            '--reading: neat.elitsm: unknown key, did you mean "elitism"?',
         ),
         (
             ["tables", "--config", "set=budget.seeds=3"],

@@ -76,7 +76,7 @@ def test_calls_make_each_record_once() -> None:
         ),
         (
             "beta: {methods: [hebb], options: {one: [plasticity.beta=1]}}",
-            "search/mine.yaml: --set: plasticity.beta: unknown key",
+            "search/mine.yaml: --reading: plasticity.beta: unknown key",
         ),
         (
             "beta: {methods: [hebb], options: {one: [budget.seeds=1]}}",
