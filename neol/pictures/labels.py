@@ -46,6 +46,13 @@ def three_figures(value: float) -> str:
     return text.rstrip(".")
 
 
+def value_range(values: Iterable[float]) -> str:
+    """Format the range of values as integers: 195 to 398, or 500 if all round to it."""
+    rounded = [round(float(value)) for value in values]
+    low, high = min(rounded), max(rounded)
+    return f"{low:,}" if low == high else f"{low:,} to {high:,}"
+
+
 def drawn(number: str) -> str:
     """Typeset a number for pictures: its hyphens become a dash and a minus sign."""
     return number.replace("--", "–").replace("-", "−")

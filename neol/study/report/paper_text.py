@@ -33,6 +33,8 @@ from neol.study.output.latex import escape
 from neol.study.report import words
 from neol.study.report.citation import citation
 from neol.study.report.common import command_line, verified_frame, verified_table
+from neol.study.report.in_short import in_short
+from neol.study.report.levels import levels_reached
 from neol.study.tables.table import Table, latex_entry
 from neol.study.workflow.exhibits import EXHIBITS, TABLES
 
@@ -100,18 +102,23 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
 
 
 def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
-    """The sentences that docs/results.md has too."""
+    """Return the sentences that docs/results.md has too."""
     configuration = campaign.configuration
     effects = verified_frame(figures / "beyond_effects.csv")
     sensitivity = verified_frame(figures / "beyond_sensitivity.csv")
+    selection = verified_frame(figures / "beyond_selection.csv")
+    ledger = verified_frame(figures / "claims.csv")
     return {
-        "toldapart": _items(words.told_apart(effects, FITNESS, "neat")),
-        "toldapartablation": _items(words.told_apart(effects, FITNESS, "neat_wo")),
-        "summary": escape(" ".join(words.summary(effects))),
+        "toldapart": _items(words.differences(effects, FITNESS, "neat")),
+        "toldapartablation": _items(words.differences(effects, FITNESS, "neat_wo")),
+        "inshort": "".join(
+            rf"\item \textbf{{{escape(point.lead)}}} {escape(point.text.replace('`', ''))} "
+            for point in in_short(ledger, effects, selection)
+        ),
         "aftercorrection": escape(words.after_correction(effects)),
-        "selectionbias": _items(words.flattered(verified_frame(figures / "beyond_selection.csv"))),
+        "selectionbias": _items(levels_reached(selection)),
         "plan": escape(frozen_plan().replace("`", "")),
-        "toldbysensitivity": _items(words.told_by_sensitivity(sensitivity)),
+        "toldbysensitivity": _items(words.sensitive_constants(sensitivity)),
         "trials": escape(describe_trials(configuration)),
         "onespecies": _items(words.one_species(campaign)),
     }

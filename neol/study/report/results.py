@@ -1,7 +1,7 @@
-"""The page docs/results.md: what a budget says to the paper's questions.
+"""The page docs/results.md: how a budget's runs answer the paper's questions.
 
-Another budget than the shown one has docs/results-paper-cartpole.md or the like. `results.md.j2`
-is its text, `words` has its sentences.
+A budget other than the shown one has a page of its own, such as docs/results-paper-cartpole.md.
+`results.md.j2` is the text; `in_short`, `levels` and `words` have the generated sentences.
 """
 
 import math
@@ -12,19 +12,27 @@ from typing import Any
 import pandas as pd
 
 from neol.base.files import write_atomically
-from neol.pictures.labels import three_figures
-from neol.spec.configuration import PAPER_BUDGET, load_configuration
+from neol.pictures.labels import listed, task_label, three_figures
+from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.study.campaign.cost import core_hours
-from neol.study.campaign.shown import snakemake_options
+from neol.study.campaign.shown import chosen_tasks, snakemake_options
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.plan import frozen_plan
 from neol.study.claims.questions import load_claims, load_questions
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
-from neol.study.output.captions import describe_budget, describe_trials, lacking
+from neol.study.output.captions import (
+    describe_budget,
+    describe_name,
+    describe_trials,
+    is_papers,
+    lacking,
+)
 from neol.study.report import words
 from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
+from neol.study.report.in_short import in_short
+from neol.study.report.levels import levels_reached
 
 OPEN = ("too short", "not asked here")
 """Verdicts that a larger budget would replace."""
@@ -39,6 +47,8 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     table, sidecar = verified_table(campaign, figures, "table1")
     ledger = verified_frame(figures / "claims.csv")
     effects = verified_frame(figures / "beyond_effects.csv")
+    selection = verified_frame(figures / "beyond_selection.csv")
+    questions = answered(ledger)
     spent = costs(campaign)
     estimated = core_hours(configuration)
     papers = core_hours(load_configuration(PAPER_BUDGET, reading=configuration.reading))
@@ -51,15 +61,18 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         commit=sidecar.code(12),
         runs=spent["runs"]["all"],
         figures=figures.as_posix(),
-        in_short=[*words.verdicts(ledger), *words.summary(effects)],
+        title=_title(configuration),
+        in_short=[point.markdown() for point in in_short(ledger, effects, selection)],
+        levels=levels_reached(selection),
         against_neat=words.effects_table(effects, "neat"),
         against_ablation=words.effects_table(effects, "neat_wo"),
         after_correction=words.after_correction(effects),
         why_they_differ=WHY_THEY_DIFFER,
         near_control=NEAR_CONTROL_WORDS,
-        flattered=words.flattered(verified_frame(figures / "beyond_selection.csv")),
         table=table._repr_html_(),
-        answered=answered(ledger),
+        answered=[row for row in questions if row["verdict"] not in OPEN],
+        open_questions=[row for row in questions if row["verdict"] == "too short"],
+        not_asked=sum(row["verdict"] == "not asked here" for row in questions),
         plan=frozen_plan(),
         open_count=int(ledger.loc[ledger["part"] == WHOLE, "verdict"].isin(OPEN).sum()),
         papers_budget="nothing" if papers is None else three_figures(papers),
@@ -67,8 +80,18 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         spent=three_figures(spent["core_hours"]["all"]),
         trials=describe_trials(configuration),
         one_species=words.one_species(campaign),
-        sensitivity=words.told_by_sensitivity(verified_frame(figures / "beyond_sensitivity.csv")),
+        sensitivity=words.sensitive_constants(verified_frame(figures / "beyond_sensitivity.csv")),
     )
+
+
+def _title(configuration: Configuration) -> str:
+    """Return the page's title, which names the budget: pages of two budgets have two titles."""
+    budget = configuration.budget
+    name = describe_name(budget)
+    if not is_papers(configuration):
+        return f"Results at the reduced budget `{name}`"
+    tasks = chosen_tasks(budget)
+    return f"Results at the paper's budget{f': {listed(map(task_label, tasks))}' if tasks else ''}"
 
 
 def answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:

@@ -1,7 +1,7 @@
-"""What the results say in words, for the page docs/results.md and for the paper.
+"""Sentences on results, for the page docs/results.md and for the paper.
 
-Every sentence is made of cells of a budget's tables and says no more than the interval beside it: a
-comparison whose interval holds "no difference" is not distinguishable.
+Every sentence is made of cells of a budget's tables. Where an interval includes 0, it says that two
+methods are not distinguishable.
 """
 
 from collections.abc import Mapping
@@ -14,60 +14,13 @@ from neol.pictures.labels import listed, method_label, task_label, three_figures
 from neol.study.campaign.grid import cells
 from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE, variants
-from neol.study.claims.ledger import WHOLE
 from neol.study.outcomes.campaign_runs import Campaign
-from neol.study.outcomes.effects import OUTCOMES
-from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
 
-DECIDED = ("reproduced", "same direction", "mixed", "not reproduced", "equivalent to zero")
-"""Verdicts that are answers."""
 
-
-def verdicts(ledger: pd.DataFrame) -> list[str]:
-    """How many questions have which verdict, and which are decided."""
-    whole = ledger[ledger["part"] == WHOLE]
-    counts = whole["verdict"].value_counts(sort=False)
-    listed_counts = listed(f"{count} {verdict}" for verdict, count in counts.items())
-    sentences = [f"The paper's claims come down to {len(whole)} questions: {listed_counts}."]
-    for verdict in DECIDED:
-        names = whole.loc[whole["verdict"] == verdict, "question"]
-        if len(names):
-            named = listed(f"`{name}`" for name in names)
-            sentences.append(f"{verdict.capitalize()}: {named}.")
-    return sentences
-
-
-def summary(effects: pd.DataFrame) -> list[str]:
-    """Which methods are distinguishable from NEAT, and from NEAT (w/o), by which outcome.
-
-    A rule that moves next to nothing is named apart: it is a control.
-    """
-    learned = effects[~effects["near_control"].eq(True)]
-
-    def told(some: pd.DataFrame, against: str) -> str:
-        return "; ".join(
-            f"in {outcome}, {_apart(some, outcome, against) or 'none'}" for outcome in OUTCOMES
-        )
-
-    sentences = [
-        "Distinguishable from NEAT (the 95% interval of the difference of means excludes 0): "
-        f"{told(learned, 'neat')}.",
-        "Distinguishable from NEAT (w/o), which neither learns nor mutates weights: "
-        f"{told(learned, 'neat_wo')}.",
-        "An advantage that NEAT without weight mutation shares cannot come from learning.",
-    ]
-    little = effects[effects["near_control"].eq(True)]
-    if any(_apart(little, outcome, "neat") for outcome in OUTCOMES):
-        sentences.append(
-            f"No success of a rule, because it is {NEAR_CONTROL_WORDS}: {told(little, 'neat')} "
-            "(against NEAT)."
-        )
-    return sentences
-
-
-def told_apart(effects: pd.DataFrame, outcome: str, against: str) -> list[str]:
-    """For each task which methods end higher or lower than another one, and by how much."""
+def differences(effects: pd.DataFrame, outcome: str, against: str) -> list[str]:
+    """Say for each task which methods end higher or lower than another one, and by how much."""
     sentences = []
     compared = _comparison(effects, outcome, against)
     for task, rows in compared[compared["task"] != "all"].groupby("task", sort=False):
@@ -97,7 +50,7 @@ def effects_table(effects: pd.DataFrame, against: str) -> list[list[str]]:
 
 
 def after_correction(effects: pd.DataFrame) -> str:
-    """How many of the declared tests remain significant."""
+    """Say how many of the declared tests remain significant after correction."""
     tested = effects.dropna(subset="p_holm")
     significant = tested[tested["p_holm"] < ALPHA]
     named = "; ".join(
@@ -111,20 +64,11 @@ def after_correction(effects: pd.DataFrame) -> str:
     )
 
 
-def flattered(selection: pd.DataFrame) -> list[str]:
-    """For each task what champions get again, and how far their training maxima lie above it."""
-    sentences = []
-    for task, rows in selection.dropna(subset="mean").groupby("task", sort=False):
-        again, above = (_range(rows[name]) for name in ("held_out", "mean"))
-        sentences.append(f"{task_label(str(task))}: {again} again, {above} less than in training.")
-    return sentences
-
-
-def told_by_sensitivity(table: pd.DataFrame) -> list[str]:
-    """For each task which readings of the paper were told apart from the baseline's, and how."""
+def sensitive_constants(table: pd.DataFrame) -> list[str]:
+    """Say for each task which changed constants are distinguishable from the baseline, and how."""
     varied = table[(table["variant"] != BASELINE) & (table["pairs"] > 0)]
     if varied.empty:
-        return ["None of the study's runs is there."]
+        return ["No run of the sensitivity study exists yet."]
     idle = varied["same"] == varied["seeds"]
     tried = varied[~idle]
     differ = tried[(tried["low"] > 0.5) | (tried["high"] < 0.5)]
@@ -136,21 +80,22 @@ def told_by_sensitivity(table: pd.DataFrame) -> list[str]:
             for row in differ[differ["task"] == task].to_dict("records")
         )
         count = int((tried["task"] == task).sum())
-        sentences.append(f"{task_label(str(task))}: {named or 'none'}, of {count} that acted.")
+        sentences.append(f"{task_label(str(task))}: {named or 'none'}, of {count} variants.")
     sentences.append(
-        f"All together: {len(differ)} of {len(tried)}; if no reading mattered, at most about "
-        f"{ALPHA * len(tried):.0f} would be by chance."
+        f"In all, {len(differ)} of {len(tried)} variants; chance alone would give about "
+        f"{ALPHA * len(tried):.0f}."
     )
     if idle.any():
         names = listed(constants[name] for name in dict.fromkeys(varied[idle]["variant"]))
         sentences.append(
-            f"Acted on nothing, each run being the baseline's, in {idle.sum()} trials: {names}."
+            f"{idle.sum()} further trials changed nothing, because every run equals the "
+            f"baseline's: {names}."
         )
     return sentences
 
 
 def one_species(campaign: Campaign) -> list[str]:
-    """For each task in what share of its generations all genomes of a method were one species."""
+    """Return for each task the share of generations in which a method had a single species."""
     shares: dict[str, dict[str, list[float]]] = {}
     for cell in cells(campaign.configuration):
         species = campaign.runs(cell).rows["species"]
@@ -173,33 +118,12 @@ def _comparison(effects: pd.DataFrame, outcome: str, against: str) -> pd.DataFra
     return effects[(effects["outcome"] == outcome) & (effects["against"] == against)]
 
 
-def _apart(effects: pd.DataFrame, outcome: str, against: str) -> str:
-    """The methods that are distinguishable in a comparison, by task and side."""
-    here = _comparison(effects, outcome, against)
-    found = []
-    for task, rows in here[here["task"] != "all"].groupby("task", sort=False):
-        for side in ("higher", "lower"):
-            methods = [
-                row["method"] for row in rows.to_dict("records") if _side(row).startswith(side)
-            ]
-            if methods:
-                found.append(
-                    f"{listed(map(method_label, methods))} on {task_label(str(task))} ({side})"
-                )
-    return ", ".join(found)
-
-
 def _entry(row: Mapping[Any, Any]) -> str:
     if not row["seeds"]:
         return "--"
     entry = _difference(row)
     is_bold = _side(row).startswith(("higher", "lower")) and row["near_control"] is not True
     return f"{f'**{entry}**' if is_bold else entry}; {row['a12']:.2f}"
-
-
-def _range(values: "pd.Series[float]") -> str:
-    low, high = map(three_figures, (values.min(), values.max()))
-    return f"{low} to {high}"
 
 
 def _side(row: Mapping[Any, Any]) -> str:

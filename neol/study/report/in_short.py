@@ -1,0 +1,136 @@
+"""What a budget says in short: the points at the head of the results page, report and README.
+
+Each point has a lead and sentences made of the budget's tables, and says no more than they do.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from neol.pictures.labels import listed, method_label, task_label, value_range
+from neol.study.claims.ledger import WHOLE
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK
+from neol.study.outcomes.statistics import ALPHA
+
+DECIDED = ("reproduced", "same direction", "mixed", "not reproduced", "equivalent to zero")
+"""Verdicts that are answers, from the paper's side to the other."""
+
+
+class Point(NamedTuple):
+    """A point of the summary."""
+
+    lead: str
+    text: str
+
+    def markdown(self) -> str:
+        """Return the point with its lead in bold."""
+        return f"**{self.lead}** {self.text}"
+
+
+def in_short(ledger: pd.DataFrame, effects: pd.DataFrame, selection: pd.DataFrame) -> list[Point]:
+    """Return the points, from the tables of verdicts, of effects and of selection bias."""
+    per_task = effects[(effects["task"] != "all") & (effects["seeds"] > 0)]
+    rules = per_task[per_task["method"] != "neat_wo"]
+    points = [
+        Point("The paper's questions.", questions_answered(ledger)),
+        Point("The rules against NEAT.", against_neat(rules)),
+        Point("Is that learning?", is_it_learning(per_task, rules)),
+    ]
+    return [*points, Point("In fresh episodes.", in_fresh_episodes(selection))]
+
+
+def questions_answered(ledger: pd.DataFrame) -> str:
+    """Count the questions of the paper by verdict, and name those that are answered.
+
+    Questions about tasks that the budget does not have are counted apart.
+    """
+    whole = ledger[ledger["part"] == WHOLE]
+    asked = whole[whole["verdict"] != "not asked here"]
+    counts = asked["verdict"].value_counts(sort=False)
+    decided = {verdict: counts[verdict] for verdict in DECIDED if verdict in counts}
+    rest = {verdict: count for verdict, count in counts.items() if verdict not in decided}
+    said = [
+        f"The paper's claims come down to {len(whole)} questions; these runs ask {len(asked)} and "
+        f"answer {sum(decided.values())}."
+    ]
+    said += [
+        f"{str(verdict).capitalize()}: {_of_questions(asked, verdict)}." for verdict in decided
+    ]
+    if rest:
+        said.append(f"Not answered: {listed(f'{count} {name}' for name, count in rest.items())}.")
+    return " ".join(said)
+
+
+def against_neat(rules: pd.DataFrame) -> str:
+    """Say which planned tests of a rule against NEAT hold after correction for their number."""
+    tests = rules[rules["against"] == "neat"].dropna(subset="p_holm")
+    held = tests[tests["p_holm"] < ALPHA]
+    if tests.empty:
+        return "No planned test could be made."
+    verb = "holds" if len(held) == 1 else "hold"
+    share = f"Of {len(tests)} planned tests, {len(held) or 'none'} {verb} after Holm's correction"
+    return f"{share}{f': {_compared(held)}' if len(held) else ''}."
+
+
+def is_it_learning(per_task: pd.DataFrame, rules: pd.DataFrame) -> str:
+    """Say what remains of the rules' advantage beside NEAT without weight mutation."""
+    ablation = per_task[(per_task["method"] == "neat_wo") & _differs(per_task)]
+    others = rules[rules["against"] == "neat_wo"]
+    said = []
+    if len(ablation):
+        said.append(
+            "NEAT without weight mutation (NEAT (w/o)), which does not learn either, differs from "
+            f"NEAT too: {_compared(ablation, named=False)}."
+        )
+    if len(others):
+        learned = others[_differs(others) & ~others["near_control"].eq(True)]
+        said.append(
+            f"From NEAT (w/o) the rules differ in {len(learned) or 'none'} of {len(others)} "
+            f"comparisons, uncorrected{f': {_compared(learned)}' if len(learned) else ''}."
+        )
+        still = int(others["near_control"].eq(True).sum())
+        if still:
+            said.append(
+                f"In {still} of these comparisons the rule hardly moves a weight "
+                f"({NEAR_CONTROL_MARK}), so they cannot show learning."
+            )
+    return " ".join(said) or "No run of NEAT (w/o) is there to tell."
+
+
+def in_fresh_episodes(selection: pd.DataFrame) -> str:
+    """Say how much less champions return in fresh episodes than in training, for each task."""
+    known = selection.dropna(subset="mean")
+    gaps = [
+        f"{value_range(rows['mean'])} less on {task_label(str(task))}"
+        for task, rows in known.groupby("task", sort=False)
+    ]
+    if not gaps:
+        return "No champion was played in fresh episodes."
+    return (
+        "Final best fitness is a maximum over noisy episodes. In fresh episodes, champions return "
+        f"{listed(gaps)}."
+    )
+
+
+def _differs(rows: pd.DataFrame) -> "pd.Series[bool]":
+    return (rows["low"] > 0) | (rows["high"] < 0)
+
+
+def _compared(rows: pd.DataFrame, *, named: bool = True) -> str:
+    """Return outcome and task of comparisons, with their methods: SCORE on Hopper (BCM higher)."""
+    said = []
+    for (outcome, task), some in rows.groupby(["outcome", "task"], sort=False):
+        entries = [_entry(row, named=named) for row in some.to_dict("records")]
+        said.append(f"{outcome} on {task_label(str(task))} ({', '.join(entries)})")
+    return "; ".join(said)
+
+
+def _entry(row: Mapping[Any, Any], *, named: bool) -> str:
+    side = "higher" if row["difference"] > 0 else "lower"
+    mark = NEAR_CONTROL_MARK if row["near_control"] is True else ""
+    return f"{method_label(row['method'])}{mark} {side}" if named else side
+
+
+def _of_questions(whole: pd.DataFrame, verdict: str) -> str:
+    return listed(f"`{name}`" for name in whole.loc[whole["verdict"] == verdict, "question"])
