@@ -1,5 +1,9 @@
 """The paper's Figures 2 to 11 from a budget's records."""
 
+import math
+from collections.abc import Sequence
+
+import numpy as np
 import pandas as pd
 
 from neol.pictures.labels import TASK_LABELS, task_label
@@ -8,8 +12,13 @@ from neol.study.campaign.grid import Cell, cells
 from neol.study.campaign.methods import challengers
 from neol.study.figures.figure import Drawing
 from neol.study.figures.plots import convergence, heatmaps
+from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates
+from neol.study.outcomes.contrasts import Moments, not_below_the_best
+from neol.study.outcomes.effects import thresholds
+from neol.study.outcomes.movement import is_near_control
+from neol.study.outcomes.statistics import mean_interval
 from neol.study.output.captions import describe_budget, describe_samples
 from neol.study.tables.summary import summarise
 
@@ -52,9 +61,9 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
         if metric == "final_best"
         else f"SCORE, with M = {describe_samples(campaign, [task])}"
     )
+    table = _cells(campaign, shown, metric)
     figure = heatmaps(
-        _outcomes(campaign, shown, metric),
-        metric=metric,
+        table,
         title=f"{task_label(task)}: {outcome}",
         methods=methods,
         populations=budget.populations,
@@ -62,11 +71,11 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
         seeds=budget.seed_count,
         note=describe_budget(configuration, [task]) + (f" {_GROWS}" if metric == "score" else ""),
     )
-    return Drawing(f"figure{number}", figure, configuration, campaign.sources(shown))
+    return Drawing(f"figure{number}", figure, configuration, campaign.sources(shown), table)
 
 
 def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") -> Drawing:
-    configuration = campaign.configuration
+    configuration, paper_table = campaign.configuration, {"table3": 1, "table4": 7}[setting]
     methods = SETTINGS[setting].methods(configuration.budget)
     chosen, incomplete = [], {}
     for (task, method), among in candidates(configuration, setting).items():
@@ -79,24 +88,93 @@ def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") 
         campaign.runs(cell).rows.assign(task=cell.task, method=cell.method) for cell in chosen
     ]
     columns = ["task", "method", "seed", "generation", "best_fitness"]
+    table = pd.concat(curves)[columns] if curves else pd.DataFrame(columns=columns)
     figure = convergence(
-        pd.concat(curves)[columns] if curves else pd.DataFrame(columns=columns),
+        table,
         tasks=configuration.budget.tasks,
         methods=methods,
         seeds=configuration.budget.seed_count,
         note=f"Configurations of Table {SETTINGS[setting].paper_table}. "
         f"{describe_budget(configuration)} {remark}".strip(),
         incomplete=incomplete,
+        near_control={
+            (cell.task, cell.method) for cell in chosen if is_near_control(campaign, cell)
+        },
+        levels={task: _levels(task, paper_table) for task in configuration.budget.tasks},
     )
     considered = [cell for among in candidates(configuration, setting).values() for cell in among]
-    return Drawing(name, figure, configuration, campaign.sources(considered))
+    sources = campaign.sources(considered)
+    return Drawing(name, figure, configuration, sources, _drawn_curves(table))
 
 
-def _outcomes(campaign: Campaign, shown: list[Cell], metric: str) -> pd.DataFrame:
+def _levels(task: str, paper_table: int) -> dict[str, tuple[float, float]]:
+    """What a task's final values are seen beside: Gymnasium's threshold, and the paper's means."""
+    levels = {}
+    if task in thresholds():
+        levels["threshold"] = (thresholds()[task], thresholds()[task])
+    means = [each.mean for each in paper_numbers.moments([paper_table], task).values()]
+    if means:
+        levels["paper"] = (min(means), max(means))
+    return levels
+
+
+def _drawn_curves(curves: pd.DataFrame) -> pd.DataFrame:
+    """What the lines and boxes show: a row for each generation of a method, and each final value.
+
+    `shown` says which. A line's value is a mean over `seeds`, with Student's interval `low` to
+    `high`; it goes as far as all seeds do.
+    """
+    rows: list[tuple[object, ...]] = []
+    for (task, method), some in curves.groupby(["task", "method"], sort=False):
+        table = some.pivot_table(index="generation", columns="seed", values="best_fitness")
+        there = table.dropna()
+        low, high = mean_interval(there.to_numpy(dtype=np.float64))
+        means = there.mean(axis=1)
+        ends = zip(means.items(), low, high, strict=True)
+        rows += [
+            (task, method, "line", generation, None, len(there.columns), mean, below, above)
+            for (generation, mean), below, above in ends
+        ]
+        last = some.sort_values("generation").groupby("seed").last().reset_index()
+        rows += [
+            (task, method, "final", generation, seed, 1, value, math.nan, math.nan)
+            for seed, generation, value in zip(
+                last["seed"], last["generation"], last["best_fitness"], strict=True
+            )
+        ]
+    columns = ["task", "method", "shown", "generation", "seed", "seeds", "value", "low", "high"]
+    return pd.DataFrame(rows, columns=columns).astype({"seed": "Int64"})
+
+
+def _cells(campaign: Campaign, shown: Sequence[Cell], metric: str) -> pd.DataFrame:
+    """A row for each cell: the mean with its standard error, and whether it may be the best.
+
+    The best is that of the cell's method. For SCORE also the mean divided by P.
+    """
+    moments = {cell: Moments.of(list(campaign.values(cell, metric).values())) for cell in shown}
+    near_best: dict[Cell, bool] = {}
+    for method in dict.fromkeys(cell.method for cell in shown):
+        own = [cell for cell in shown if cell.method == method]
+        near_best |= dict(
+            zip(own, not_below_the_best([moments[each] for each in own]), strict=True)
+        )
     rows = [
-        (cell.method, cell.population, cell.learning_rate, seed, value)
-        for cell in shown
-        for seed, value in campaign.values(cell, metric).items()
+        {
+            "task": cell.task,
+            "method": cell.method,
+            "population": cell.population,
+            "learning_rate": cell.learning_rate,
+            "seeds": own.seeds,
+            "mean": own.mean,
+            "standard_error": own.sd / math.sqrt(own.seeds) if own.seeds else math.nan,
+            "near_best": near_best[cell],
+            "near_control": is_near_control(campaign, cell),
+        }
+        for cell, own in moments.items()
     ]
-    columns = ["method", "population", "learning_rate", "seed", metric]
-    return pd.DataFrame(rows, columns=columns).astype({"learning_rate": float})
+    table = pd.DataFrame(rows).astype({"learning_rate": float})
+    return (
+        table.assign(mean_per_genome=table["mean"] / table["population"])
+        if metric == "score"
+        else table
+    )

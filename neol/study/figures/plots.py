@@ -1,13 +1,15 @@
 """The paper's Figures 2 to 11, drawn from plain tables.
 
-`runs` has a row for each run: task, method, population, learning_rate (NaN for a method without),
-seed, and its outcomes. `curves` has a row for each generation of a run.
+`curves` has a row for each generation of a run, `cells` one for each cell of a grid.
 """
 
+import math
 from collections.abc import Collection, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 import seaborn
 from matplotlib.axes import Axes
@@ -18,6 +20,7 @@ from matplotlib.ticker import MaxNLocator
 
 from neol.pictures.labels import drawn, method_label, task_label, three_figures
 from neol.pictures.style import COLOUR_MAP, GREY, WIDTH, Style, drawing, footer, styles
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import Floats, mean_interval
 
 
@@ -29,15 +32,18 @@ def convergence(
     seeds: int,
     note: str,
     incomplete: Mapping[tuple[str, str], str],
+    near_control: Collection[tuple[str, str]] = (),
+    levels: Mapping[str, Mapping[str, tuple[float, float]]] = MappingProxyType({}),
 ) -> Figure:
     """Figures 2 and 3: best fitness over generations, and boxplots of the final one.
 
     One cell for each task and method; the lines are means over seeds with Student's 95% interval.
     `incomplete` says of a task and method what its cell's choice lacked; whoever lacks something
-    has a star, and the note says what.
+    has a star, and the note says what. `near_control` are marked too. `levels` of each task, from
+    one value to another, are drawn behind its final values.
     """
     with drawing():
-        figure = Figure(figsize=(WIDTH, 1.55 * WIDTH / max(len(tasks), 3) + 1.3))
+        figure = Figure(figsize=(WIDTH, 1.55 * WIDTH / max(len(tasks), 3) + 1.6))
         axes = figure.subplots(2, len(tasks), squeeze=False)
         reasons, looks = dict(incomplete), styles(methods)
         for column, task in enumerate(tasks):
@@ -55,8 +61,13 @@ def convergence(
                 marked = (place + 0.5) / len(methods)
                 draw_curve(top, method_label(method), looks[method], table.dropna(), marked)
             clip_to_runs(top, here["best_fitness"])
-            starred = {method for where, method in reasons if where == task}
-            _boxes(bottom, samples, looks, starred)
+            marks = {
+                method: "*" * ((task, method) in reasons)
+                + NEAR_CONTROL_MARK * ((task, method) in near_control)
+                for method in methods
+            }
+            _boxes(bottom, samples, looks, marks)
+            _levels(bottom, levels.get(task, {}))
             top.set_xlabel("Generation")
             top.xaxis.set_major_locator(MaxNLocator(4, integer=True))
         axes[0, 0].set_ylabel("Best fitness (return)")
@@ -68,14 +79,19 @@ def convergence(
             "Lines: means over seeds, bands: their 95% intervals, cut at the range of the runs. "
             "Boxes: quartiles, whiskers to 1.5 interquartile ranges; dots: single seeds."
         )
-        footer(figure, "\n".join([f"{note} {explanation}", *_listed(reasons)]))
+        if levels:
+            explanation += (
+                " Grey, or named with an arrow where it lies beyond the panel: Gymnasium's reward "
+                "threshold, and from the lowest to the highest of the means that the paper prints."
+            )
+        little = [f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}."] if near_control else []
+        footer(figure, "\n".join([f"{note} {explanation}", *little, *_listed(reasons)]))
     return figure
 
 
 def heatmaps(
-    runs: pd.DataFrame,
+    cells: pd.DataFrame,
     *,
-    metric: str,
     title: str,
     methods: Sequence[str],
     populations: Sequence[int],
@@ -83,25 +99,27 @@ def heatmaps(
     seeds: int,
     note: str,
 ) -> Figure:
-    """Figures 4 to 11: the mean of a task's `metric` over seeds for every population and rate.
+    """Figures 4 to 11: the mean over seeds for every population and rate, with its standard error.
 
-    A method without a rate is a single row. All panels share one colour scale; a frame marks each
-    method's highest mean. A cell that lacks seeds is hatched and says how many it has.
+    `cells` has a row for each cell: method, population, learning_rate (NaN for a method without,
+    which is a single row), `seeds`, `mean`, `standard_error`, `near_control`, and `near_best`, the
+    cells of a method that cannot be told from its best. All panels share one colour scale. The
+    best cell has a thick frame, those near it a thin one; a cell that lacks seeds is hatched and
+    says how many it has.
     """
     grids = {
-        method: _grid(runs[runs["method"] == method], metric, populations, learning_rates)
+        method: _grid(cells[cells["method"] == method], populations, learning_rates)
         for method in methods
     }
-    means = np.concatenate([mean.ravel() for mean, _ in grids.values()])
+    means = np.concatenate([grid["mean"].ravel() for grid in grids.values()])
     scale = _scale(means[np.isfinite(means)])
     with drawing():
-        figure = Figure(figsize=(WIDTH, 0.3 * len(learning_rates) + 1.3))
+        figure = Figure(figsize=(WIDTH, 0.36 * len(learning_rates) + 1.35))
         figure.suptitle(title, x=0.01, ha="left")
-        layout = figure.add_gridspec(len(learning_rates), len(methods))
-        axes = []
-        for position, method in enumerate(methods):
-            mean, count = grids[method]
-            axis = figure.add_subplot(layout[-len(mean) :, position])
+        axes = figure.subplots(1, len(methods), squeeze=False)[0]
+        for position, (axis, method) in enumerate(zip(axes, methods, strict=True)):
+            grid = grids[method]
+            mean = grid["mean"]
             seaborn.heatmap(
                 mean,
                 ax=axis,
@@ -113,22 +131,34 @@ def heatmaps(
                 xticklabels=populations,
                 yticklabels=[f"{rate:g}" for rate in learning_rates] if position == 0 else [],
             )
-            axis.invert_yaxis()
-            axis.set_title(method_label(method)).set_in_layout(len(mean) > 1)
+            axis.set_ylim(0, len(learning_rates))  # the lowest rate at the bottom
+            axis.set_title(method_label(method))
             axis.set_xlabel("Population size")
             axis.tick_params(length=0, rotation=0)
-            _write_cells(axis, mean, count, seeds, scale)
-            axes.append(axis)
+            _write_cells(axis, grid, seeds, scale)
         axes[0].set_ylabel("Learning rate")
         image = axes[0].collections[0]
         bar = figure.colorbar(image, ax=axes, fraction=0.02, pad=0.01, aspect=14)
         bar.outline.set_visible(False)
         bar.locator = MaxNLocator(4)
-        lacking = sum(int((count < seeds).sum()) for _, count in grids.values())
-        explanation = "Means over seeds; a frame marks a panel's highest, if it is one alone."
-        warning = [f"Hatched: {lacking} of {means.size} cells lack seeds."] if lacking else []
-        footer(figure, "\n".join([f"{note} {explanation}", *warning]))
+        lines = [f"{note} {_explained(cells)}"]
+        lacking = sum(int((grid["seeds"] < seeds).sum()) for grid in grids.values())
+        if lacking:
+            lines.append(f"Hatched: {lacking} of {means.size} cells lack seeds.")
+        footer(figure, "\n".join(lines))
     return figure
+
+
+def _explained(cells: pd.DataFrame) -> str:
+    """What the numbers, frames and marks of heat maps mean."""
+    sentences = [
+        "Means over seeds, beneath them standard errors. Framed: a panel's highest mean, if it is "
+        "one alone, and thinly the cells not distinguishable from it (one-sided Welch tests, "
+        "corrected for their number)."
+    ]
+    if cells["near_control"].any():
+        sentences.append(f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}.")
+    return " ".join(sentences)
 
 
 def draw_curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked: float) -> None:
@@ -174,7 +204,7 @@ def _boxes(
     axis: Axes,
     samples: Mapping[str, Floats],
     looks: Mapping[str, Style],
-    starred: Collection[str],
+    marks: Mapping[str, str],
 ) -> None:
     for position, (method, values) in enumerate(samples.items()):
         style = looks[method]
@@ -196,29 +226,41 @@ def _boxes(
         spread = np.linspace(-0.22, 0.22, len(values)) if len(values) > 1 else np.zeros(1)
         axis.scatter(position + spread, values, s=6, marker=style.marker, facecolor=style.colour,
                      edgecolor="black", linewidth=0.25, alpha=0.85, zorder=3)  # fmt: skip
-    labels = [
-        method_label(method).replace(" (", "\n(") + ("*" if method in starred else "")
-        for method in samples
-    ]
+    labels = [method_label(method).replace(" (", "\n(") + marks[method] for method in samples]
     axis.set_xticks(range(len(samples)), labels)
     axis.set_xlim(-0.6, len(samples) - 0.4)
 
 
+def _levels(axis: Axes, levels: Mapping[str, tuple[float, float]]) -> None:
+    """Levels behind the values, named above them; one that lies beyond the panel has an arrow."""
+    bottom, top = axis.get_ylim()
+    axis.set_ylim(bottom, top)
+    names = []
+    for name, (low, high) in levels.items():
+        arrow = "↑ " if low > top else "↓ " if high < bottom else ""
+        if not arrow:
+            axis.axhspan(low, high, color=GREY, alpha=0.25, linewidth=0.7, zorder=0)
+        ends = dict.fromkeys(drawn(three_figures(level)) for level in (low, high))
+        names.append(f"{arrow}{name} {' to '.join(ends)}")
+    axis.set_title("\n".join(names), size=6, color=GREY)
+
+
 def _grid(
-    runs: pd.DataFrame, metric: str, populations: Sequence[int], rates: Sequence[float]
-) -> tuple[Floats, Floats]:
-    """Mean and number of seeds: float64[rates, populations], one row where there is no rate."""
-    rows = list(rates) if runs["learning_rate"].notna().any() else [0.0]
-    by_cell = runs.assign(learning_rate=runs["learning_rate"].fillna(0.0)).groupby(
-        ["learning_rate", "population"]
-    )[metric]
+    cells: pd.DataFrame, populations: Sequence[int], rates: Sequence[float]
+) -> dict[str, npt.NDArray[Any]]:
+    """The columns of a method's cells: [rates, populations], one row where there is no rate."""
+    rows = list(rates) if cells["learning_rate"].notna().any() else [0.0]
     places = pd.MultiIndex.from_product([rows, populations])
-    mean, count = by_cell.mean().reindex(places), by_cell.count().reindex(places, fill_value=0)
+    keys = ["learning_rate", "population"]
+    table = cells.assign(learning_rate=cells["learning_rate"].fillna(0.0)).set_index(keys)
+    absent = {"seeds": 0, "near_control": False, "near_best": False}
+    table = table.reindex(places).fillna(absent)
+    kinds = {"mean": float, "standard_error": float, "seeds": int}
+    kinds |= {"near_control": bool, "near_best": bool}
     shape = len(rows), len(populations)
-    return (
-        np.asarray(mean, dtype=np.float64).reshape(shape),
-        np.asarray(count, dtype=np.float64).reshape(shape),
-    )
+    return {
+        name: table[name].to_numpy().astype(kind).reshape(shape) for name, kind in kinds.items()
+    }
 
 
 def _scale(means: Floats) -> Normalize:
@@ -230,23 +272,39 @@ def _scale(means: Floats) -> Normalize:
     return Normalize(low - margin, high + margin)
 
 
-def _write_cells(axis: Axes, mean: Floats, count: Floats, seeds: int, scale: Normalize) -> None:
+def _write_cells(
+    axis: Axes, grid: Mapping[str, npt.NDArray[Any]], seeds: int, scale: Normalize
+) -> None:
+    mean = grid["mean"]
     highest = mean == np.nanmax(mean) if np.isfinite(mean).any() else np.zeros(mean.shape, bool)
+    is_single = highest.sum() == 1
     for (row, column), value in np.ndenumerate(mean):
-        there = int(count[row, column])
+        there = int(grid["seeds"][row, column])
         ink = "white" if there and scale(value) < 0.55 else "black"
-        text = drawn(three_figures(value)) if there else "no runs"
-        if 0 < there < seeds:
-            text += f"\n{there}/{seeds}"
-        size = min(7.0, 39.0 / len(text.splitlines()[0]))  # a cell is narrow where there are four
-        label = axis.text(column + 0.5, row + 0.5, text, ha="center", va="center",
-                          fontsize=size, color=ink, linespacing=1)  # fmt: skip
+        mark = NEAR_CONTROL_MARK if grid["near_control"][row, column] else ""
+        text = drawn(three_figures(value)) + mark if there else "no runs"
+        beneath = f"{there}/{seeds}" if 0 < there < seeds else ""
+        error = grid["standard_error"][row, column]
+        if there == seeds and math.isfinite(error):
+            beneath = f"±{drawn(f'{error:.2g}' if error < 100 else f'{error:.0f}')}"
+        size = min(6.5, 36.0 / len(text))  # a cell is narrow where there are four
+        written = [
+            axis.text(column + 0.5, row + (0.64 if beneath else 0.5), text, ha="center",
+                      va="center", fontsize=size, color=ink),
+            axis.text(column + 0.5, row + 0.27, beneath, ha="center", va="center",
+                      fontsize=min(5.0, 28.0 / max(len(beneath), 1)), color=ink),
+        ]  # fmt: skip
         if there < seeds:
             ground = COLOUR_MAP(scale(value)) if there else "white"
-            label.set_bbox({"facecolor": ground, "edgecolor": "none", "pad": 0.6})
+            for label in written:
+                label.set_bbox({"facecolor": ground, "edgecolor": "none", "pad": 0.6})
             axis.add_patch(_frame(row, column, 0.0, hatch="////", edgecolor=ink, linewidth=0.8))
-        if highest[row, column] and highest.sum() == 1:
-            axis.add_patch(_frame(row, column, 0.035, edgecolor=ink, linewidth=1.1))
+        if highest[row, column] and is_single:
+            axis.add_patch(_frame(row, column, 0.045, edgecolor=ink, linewidth=1.5))
+        elif grid["near_best"][row, column] and is_single:
+            axis.add_patch(
+                _frame(row, column, 0.045, edgecolor=ink, linewidth=0.5, linestyle=(0, (2, 1.5)))
+            )
 
 
 def _frame(row: int, column: int, inset: float, *, linewidth: float = 0, **style: Any) -> Rectangle:

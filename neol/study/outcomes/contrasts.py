@@ -6,7 +6,7 @@ their seeds, `paired` is the analysis of the pairs. Too little data gives NaN, n
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -120,6 +120,25 @@ def sd_p(sample: Moments, against: Moments) -> float:
         return float(sample.sd == against.sd)
     ratio, degrees = (sample.sd / against.sd) ** 2, (sample.seeds - 1, against.seeds - 1)
     return float(2 * min(stats.f.cdf(ratio, *degrees), stats.f.sf(ratio, *degrees)))
+
+
+def not_below_the_best(groups: Sequence[Moments]) -> list[bool]:
+    """Which groups cannot be told from the best: no other one is higher, by one-sided Welch tests.
+
+    Each at `ALPHA` divided by the number of rivals, so the group with the highest true mean is
+    among them with probability 1 - ALPHA, whichever it is and however many there are (subset
+    selection; Gupta 1965). A group without a mean is not; one without a deviation stays.
+    """
+    level = ALPHA / max(len(groups) - 1, 1)
+
+    def lies_below(group: Moments, rival: Moments) -> bool:
+        lead = difference(rival, group)
+        return lead.value > 0 and lead.p() / 2 < level
+
+    return [
+        not (math.isnan(group.mean) or any(lies_below(group, rival) for rival in groups))
+        for group in groups
+    ]
 
 
 def compare(sample: Mapping[int, float], against: Mapping[int, float]) -> dict[str, float]:

@@ -37,7 +37,7 @@ class Group:
 
 TABLES = Group("tables", "Tables", ("tex", "csv", "json"))
 NUMBERS = Group("numbers", "Beside the paper's numbers", ("tex", "csv", "json"))
-FIGURES = Group("figures", "Figures", ("pdf", "png", "json"))
+FIGURES = Group("figures", "Figures", ("pdf", "png", "json", "csv"))
 CLAIMS = Group("claims", "Claims", ("tex", "csv", "json", "md"))
 BEYOND = Group("beyond", "Beyond the paper", ("pdf", "png", "json", "csv"))
 

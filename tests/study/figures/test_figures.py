@@ -2,15 +2,20 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from scipy import stats
 
 from neol.pictures.style import STYLES, save
-from neol.study.figures.paper_figures import figure3, heatmap, heatmaps_of
+from neol.spec.configuration import ROOT
+from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.shown import select
+from neol.study.figures.paper_figures import figure2, figure3, heatmap, heatmaps_of
 from neol.study.figures.plots import convergence, heatmaps
 from neol.study.outcomes.campaign_runs import Campaign
 from tests.helpers.made_up import configuration
@@ -44,7 +49,7 @@ def runs() -> pd.DataFrame:
 
 
 def draw_curves(
-    table: pd.DataFrame, incomplete: Mapping[tuple[str, str], str] | None = None
+    table: pd.DataFrame, incomplete: Mapping[tuple[str, str], str] | None = None, **more: Any
 ) -> Figure:
     return convergence(
         table,
@@ -53,13 +58,21 @@ def draw_curves(
         seeds=3,
         note="Budget made up.",
         incomplete=incomplete or {},
+        **more,
     )
+
+
+def cells_of(table: pd.DataFrame) -> pd.DataFrame:
+    """A row for each cell of such runs."""
+    keys = ["method", "population", "learning_rate"]
+    columns = {"seeds": "size", "mean": "mean", "standard_error": "sem"}
+    cells = table.groupby(keys, dropna=False)["value"].agg(**columns).reset_index()
+    return cells.assign(near_control=cells["learning_rate"] == 0.1, near_best=cells["mean"] > 100)
 
 
 def draw_heatmaps(table: pd.DataFrame) -> Figure:
     return heatmaps(
-        table,
-        metric="value",
+        cells_of(table),
         title="Hopper",
         methods=METHODS,
         populations=[6, 12],
@@ -136,8 +149,10 @@ def test_a_run_that_ended_early_keeps_its_last_value_in_the_boxplot() -> None:
 
 def test_cells_print_means_with_the_lowest_rate_at_the_bottom() -> None:
     figure = draw_heatmaps(runs())
-    assert texts(figure, 0) == ["60.0", "120", "120", "240"]
-    assert texts(figure, 1) == ["1.50", "1.50"]
+    assert texts(figure, 0)[::2] == ["60.0†", "120†", "120", "240"]
+    assert texts(figure, 0)[1::2] == ["±0.58"] * 4
+    assert texts(figure, 1) == ["1.50", "±0"] * 2
+    assert "† near control" in footer(figure)
     assert figure.axes[0].get_ylim() == (0, 2)
     assert [text.get_text() for text in figure.axes[0].get_yticklabels()] == ["0.1", "0.2"]
 
@@ -145,7 +160,65 @@ def test_cells_print_means_with_the_lowest_rate_at_the_bottom() -> None:
 def test_small_means_keep_three_significant_figures() -> None:
     table = runs().query("method == 'bcm'")
     figure = draw_heatmaps(table.assign(value=table["value"] / 10000))
-    assert texts(figure, 0) == ["0.00600", "0.0120", "0.0120", "0.0240"]
+    assert texts(figure, 0)[::2] == ["0.00600†", "0.0120†", "0.0120", "0.0240"]
+
+
+def test_levels_are_drawn_or_named_where_they_lie_beyond() -> None:
+    levels = {"hopper": {"threshold": (3800.0, 3800.0), "paper": (2.0, 5.0)}}
+    bottom = draw_curves(curves(), levels=levels).axes[1]
+    assert bottom.get_title() == "↑ threshold 3800\npaper 2.00 to 5.00"
+    (band,) = [each for each in bottom.patches if isinstance(each, Rectangle)]
+    assert (band.get_y(), band.get_height()) == (2, 3)
+
+
+def test_curves_near_control_are_marked() -> None:
+    figure = draw_curves(curves(), near_control={("hopper", "bcm")})
+    assert [tick.get_text() for tick in figure.axes[1].get_xticklabels()] == ["BCM†", "NEAT"]
+    assert "† near control" in footer(figure)
+    assert "†" not in footer(draw_curves(curves()))
+
+
+def test_numbers_of_a_convergence_are_written_in_full(tmp_path: Path) -> None:
+    """Plain pandas on shipped records says the same of every generation."""
+    campaign = Campaign(select("demo"), ROOT / RESULTS)
+    figure2(campaign).write(tmp_path)
+    table = pd.read_csv(tmp_path / "figure2.csv")
+    neat = table[(table["task"] == "lunar_lander") & (table["method"] == "neat")]
+    folder = ROOT / RESULTS / "first" / "demo" / "lunar_lander" / "neat" / "p050"
+    rows = pd.concat(map(pd.read_parquet, folder.glob("*.parquet")))
+    by_generation = rows.groupby("generation")["best_fitness"]
+    lines = neat[neat["shown"] == "line"].set_index("generation")
+    assert lines["value"].tolist() == pytest.approx(by_generation.mean().tolist(), rel=1e-12)
+    half = stats.t.ppf(0.975, 9) * by_generation.sem()
+    assert (lines["high"] - lines["value"]).tolist() == pytest.approx(half.tolist(), abs=1e-9)
+    finals = neat[neat["shown"] == "final"].set_index("seed")["value"].sort_index()
+    last = rows[rows["generation"] == 60].set_index("seed")["best_fitness"].sort_index()
+    assert finals.tolist() == last.tolist()
+
+
+def test_numbers_of_a_heatmap_are_written_in_full(tmp_path: Path) -> None:
+    """Means, standard errors and the set near the best, in plain pandas and SciPy."""
+    campaign = Campaign(select("desk", "lunar_lander"), ROOT / RESULTS)
+    heatmap(5, campaign).write(tmp_path)
+    table = pd.read_csv(tmp_path / "figure5.csv")
+    assert len(table) == 3 * 16 + 4
+    hebb = table[table["method"] == "hebb"]
+    runs = {}
+    for row in hebb.itertuples():
+        name = f"p{row.population:03d}_lr{row.learning_rate:.5f}".rstrip("0")
+        folder = ROOT / RESULTS / "first" / "desk" / "lunar_lander" / "hebb" / name
+        rows = pd.concat(map(pd.read_parquet, folder.glob("*.parquet")))
+        runs[row.Index] = rows[rows["generation"] == 60]["best_fitness"].to_numpy()
+    for row in hebb.itertuples():
+        own = runs[row.Index]
+        assert (row.mean, row.standard_error) == pytest.approx((own.mean(), stats.sem(own)))
+        p = [
+            stats.ttest_ind(other, own, equal_var=False, alternative="greater").pvalue
+            for place, other in runs.items()
+            if place != row.Index
+        ]
+        assert row.near_best == (min(p) >= 0.05 / 15)
+    assert 0 < hebb["near_best"].mean() < 1
 
 
 def test_a_heatmap_says_its_own_steps_and_what_score_rewards(tmp_path: Path) -> None:
@@ -168,10 +241,12 @@ def test_panels_share_a_scale() -> None:
     assert bcm == neat == (1.5, 240)
 
 
-def test_the_single_highest_cell_is_framed() -> None:
+def test_the_single_highest_cell_is_framed_and_thinly_those_near_it() -> None:
     figure = draw_heatmaps(runs())
-    (frame,) = frames(figure, 0)
-    assert (round(frame.get_x()), round(frame.get_y())) == (1, 1)
+    places = {(round(each.get_x()), round(each.get_y())) for each in frames(figure, 0)}
+    thick = [each for each in frames(figure, 0) if each.get_linewidth() > 1]
+    assert [(round(each.get_x()), round(each.get_y())) for each in thick] == [(1, 1)]
+    assert places == {(1, 0), (0, 1), (1, 1)}  # 60 is not near the best
     assert not frames(figure, 1)  # a tie
 
 
@@ -179,7 +254,8 @@ def test_cells_that_lack_seeds_are_hatched_and_counted() -> None:
     table = runs().query("not (population == 6 and learning_rate == 0.1 and seed > 0)")
     table = table.query("not (population == 12 and learning_rate == 0.2)")
     figure = draw_heatmaps(table)
-    assert texts(figure, 0) == ["59.0\n1/3", "120", "120", "no runs"]
+    assert texts(figure, 0)[::2] == ["59.0†", "120†", "120", "no runs"]
+    assert texts(figure, 0)[1::2] == ["1/3", "±0.58", "±0.58", ""]
     assert hatched(figure, 0) == 2
     hatches = [patch for patch in figure.axes[0].patches if patch.get_hatch()]
     assert all(patch.get_alpha() is None and patch.get_linewidth() > 0 for patch in hatches)
