@@ -1,7 +1,11 @@
 """Whether records are what they say: digests, manifest, verification, replays of their runs."""
 
+import math
 import secrets
-from collections.abc import Iterable
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +15,7 @@ from neol.cli.application import DISAGREES, app, examples
 
 if TYPE_CHECKING:
     from neol.study.verification.check import Problem
-    from neol.study.verification.replays import Run
+    from neol.study.verification.replays import Replay, Run
 
 
 @app.command(epilog=examples("neol digest a.parquet"))
@@ -48,23 +52,30 @@ def manifest(
 @app.command(
     epilog=examples(
         "neol verify results",
-        "neol verify results/first/demo --replay 5 --generations 3",
-        "neol verify a.parquet --replay 1 --generations 60 --replay-champions 1",
+        "neol verify results/first/demo --replay 5",
+        "neol verify a.parquet --replay all --log replayed.txt",
     )
 )
 def verify(
     paths: Annotated[
         list[Path], typer.Argument(metavar="PATH", help="Records, or folders of records.")
     ],
-    replay: Annotated[int, typer.Option(min=0, help="Runs to repeat, drawn at random.")] = 0,
-    generations: Annotated[
-        int,
+    replay: Annotated[
+        str,
         typer.Option(
-            min=1,
-            help="Generations to repeat of each run; if that reaches its last, also digest and "
-            "champion.",
+            metavar="COUNT", help="Runs to repeat to their end, drawn at random; or: all."
         ),
-    ] = 3,
+    ] = "0",
+    minutes: Annotated[
+        float | None,
+        typer.Option(
+            min=0, help="Repeat runs for so long; without --replay, as many as there is time for."
+        ),
+    ] = None,
+    generations: Annotated[
+        int | None,
+        typer.Option(min=1, help="Repeat only the first generations of each run, so many."),
+    ] = None,
     replay_champions: Annotated[
         int, typer.Option(min=0, help="Champions to repeat the held-out episodes of.")
     ] = 0,
@@ -72,75 +83,126 @@ def verify(
         int | None,
         typer.Option(min=0, help="Seed of the draw; without it one is chosen and printed."),
     ] = None,
+    log: Annotated[
+        Path | None,
+        typer.Option(help="File of the runs that agreed: they are not repeated another time."),
+    ] = None,
 ) -> None:
     """Check records by their digests, rows and manifest; replay runs."""
     from neol.cli.progress import Display
     from neol.study.verification.check import Verification
 
+    count = _count_of(replay, minutes)
     verification = Verification(paths)
     findings: list[Problem] = []
-    runs: set[Run] = set()
+    cells: dict[Run, str] = {}
     try:
         with Display() as display:
             for number, checked in enumerate(verification.check(), 1):
                 findings += checked.findings
-                runs |= {(checked.path, each) for each in checked.seeds}
+                cells |= {(checked.path, each): checked.cell for each in checked.seeds}
                 display.show(f"record {number} of {len(verification.records)}")
             findings += verification.manifest_findings()
     finally:
         for finding in findings:
             print(finding, flush=True)
-    records = _count(len(verification.records), "record")
-    summary = [f"{records} of {_count(len(runs), 'run')} checked", *verification.notes()]
-    if replay or replay_champions:
-        seed = secrets.randbelow(2**32) if seed is None else seed
-        summary.append(_repeat(runs, replay, generations, replay_champions, seed, findings))
-    outcome = _count(len(findings), "finding") if findings else "all well"
+    records = _plural(len(verification.records), "record")
+    summary = [f"{records} of {_plural(len(cells), 'run')} checked", *verification.notes()]
+    seed = secrets.randbelow(2**32) if seed is None else seed
+    if count and cells:
+        summary.append(_repeat(cells, count, minutes, generations, seed, log, findings))
+    if replay_champions and cells:
+        summary.append(_repeat_champions(cells, replay_champions, seed + 1, findings))
+    if cells and (count or replay_champions):
+        summary[-1] += f" (--seed {seed})"
+    outcome = _plural(len(findings), "finding") if findings else "all well"
     print(f"{', '.join(summary)}: {outcome}")
     if findings:
         raise typer.Exit(DISAGREES)
 
 
+def _count_of(replay: str, minutes: float | None) -> int:
+    """How many runs to repeat at most. Raises UserError for what is no number and not all."""
+    from neol.base.errors import UserError
+
+    if replay == "all" or (replay == "0" and minutes is not None):
+        return sys.maxsize
+    if not (replay.isascii() and replay.isdigit()):
+        raise UserError(f'--replay {replay}: give a number of runs, or "all"')
+    return int(replay)
+
+
 def _repeat(
-    runs: "Iterable[Run]",
-    replay: int,
-    generations: int,
-    champions: int,
+    cells: "dict[Run, str]",
+    count: int,
+    minutes: float | None,
+    generations: int | None,
     seed: int,
+    log: Path | None,
     findings: "list[Problem]",
 ) -> str:
-    """Repeat what is drawn of the runs and compare; what was repeated, and how to do it again."""
+    """Repeat what is drawn of the runs and compare; what was repeated, and what that finds."""
+    from neol.study.verification import replays
+    from neol.study.verification.replay_log import ReplayLog
+
+    deadline = math.inf if minutes is None else time.monotonic() + 60 * minutes
+    known = ReplayLog(log) if log else None
+    whole = known.among(cells) if known else set()
+    before, repeated, done = len(whole), 0, 0
+    drawn = [run for run in replays.draw(cells, seed) if run not in whole][:count]
+    for number, run in enumerate(drawn, 1):
+        if time.monotonic() >= deadline:
+            break
+        title = f"replay {number} of {len(drawn)}"
+        played = _played(partial(replays.replay, run, generations, deadline), run, title, findings)
+        if played is None:
+            continue
+        repeated, done = repeated + 1, done + played.generations
+        if played.whole:
+            whole.add(run)
+            if known and not played.problem:
+                known.add(run)
+    parts = [f"{_plural(repeated, 'run')} repeated", _plural(done, "generation")]
+    if before:
+        parts.append(f"{before:,} repeated before")
+    return ", ".join([*parts, str(replays.coverage(cells, whole))])
+
+
+def _repeat_champions(
+    cells: "dict[Run, str]", count: int, seed: int, findings: "list[Problem]"
+) -> str:
+    """Repeat the held-out episodes of champions that are drawn; how many they were."""
+    from neol.study.verification import replays
+
+    drawn = replays.draw(cells, seed)[:count]
+    played = [
+        _played(partial(replays.replay_champion, run), run, f"champion {number}", findings)
+        for number, run in enumerate(drawn, 1)
+    ]
+    return f"{_plural(len(played) - played.count(None), 'champion')} played again"
+
+
+def _played(
+    play: "Callable[[], Replay]", run: "Run", title: str, findings: "list[Problem]"
+) -> "Replay | None":
+    """A replay, its problem printed and found; None where it cannot be made."""
     from neol.base.errors import UserError
     from neol.cli.progress import Display
-    from neol.study.verification import replays
     from neol.study.verification.check import Problem
 
-    runs = list(runs)
-    drawn = [(run, False) for run in replays.draw(runs, replay, seed)]
-    drawn += [(run, True) for run in replays.draw(runs, champions, seed + 1)]
-    done = []
-    for number, (run, champion) in enumerate(drawn, 1):
-        try:
-            with Display() as display:
-                display.show(f"replay {number} of {len(drawn)}")
-                done.append(
-                    replays.replay_champion(run) if champion else replays.replay(run, generations)
-                )
-            problem = done[-1].problem
-        except UserError as error:
-            problem = Problem(run[0], f"cannot be repeated: {error}", run[1])
-        if problem:
-            print(problem, flush=True)
-            findings.append(problem)
-    whole = [each.generations for each in done if each.generations]
-    parts = []
-    if replay:
-        parts.append(f"{_count(len(whole), 'run')} repeated, {_count(sum(whole), 'generation')}")
-    if champions:
-        played = len(done) - len(whole)
-        parts.append(f"{_count(played, 'champion')} played again")
-    return f"{', '.join(parts)} (--seed {seed})"
+    played = None
+    try:
+        with Display() as display:
+            display.show(title)
+            played = play()
+        problem = played.problem
+    except UserError as error:
+        problem = Problem(run[0], f"cannot be repeated: {error}", run[1])
+    if problem:
+        print(problem, flush=True)
+        findings.append(problem)
+    return played
 
 
-def _count(number: int, one: str) -> str:
+def _plural(number: int, one: str) -> str:
     return f"{number:,} {one}{'s' * (number != 1)}"

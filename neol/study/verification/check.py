@@ -43,9 +43,11 @@ class Checked:
     """A record after its check."""
 
     path: Path
-    seeds: tuple[int, ...]
-    """Of its runs; none where it cannot be used."""
     findings: tuple[Problem, ...]
+    seeds: tuple[int, ...] = ()
+    """Of its runs; none where it cannot be used."""
+    cell: str = ""
+    """What its runs share with those of other seeds: campaign and specification."""
 
 
 class Verification:
@@ -101,7 +103,7 @@ class Verification:
             content = read_bounded(path, MAX_RECORD_BYTES)
             record = parse_record(path, content)
         except UserError as error:
-            return Checked(shown, (), (Problem(shown, str(error).removeprefix(f"{path}: ")),))
+            return Checked(shown, (Problem(shown, str(error).removeprefix(f"{path}: ")),))
         findings = [
             Problem(shown, f"{it.meaning}: edited", it.seed, it.generation, it.column, it.values)
             for it in impossible_values(record)
@@ -119,7 +121,12 @@ class Verification:
             cells = {name for name in tails & jobs.keys() if jobs[name].part != SENSITIVITY}
             if cells:
                 self._found.setdefault(record.campaign, set()).update(cells)
-        return Checked(shown, tuple(info.seed for info in record.seeds), tuple(findings))
+        return Checked(
+            shown,
+            tuple(findings),
+            tuple(info.seed for info in record.seeds),
+            f"{record.campaign} {record.spec.digest()}",
+        )
 
     def _as_given(self, path: Path) -> Path:
         """A path below one that was named, as that was written."""

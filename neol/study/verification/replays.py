@@ -4,8 +4,11 @@ docs/verification.md has how far bits travel, and so what a difference can mean.
 """
 
 import contextlib
+import math
 import random
-from collections.abc import Iterable, Iterator
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,25 +37,69 @@ class Replay:
     """How many were repeated; 0 for held-out episodes."""
     problem: Problem | None
     """The first value that differs; None where every bit is the same."""
+    whole: bool = True
+    """Whether it came to its end, and not to that of the time."""
 
 
-def draw(runs: Iterable[Run], count: int, seed: int) -> list[Run]:
-    """So many of the runs at random, each once; all of them if there are no more."""
-    every = sorted(runs)
-    return sorted(random.Random(seed).sample(every, min(count, len(every))))
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """How much of some records was repeated whole, and so what that finds."""
+
+    runs: int
+    of_runs: int
+    cells: int
+    """In how many cells these runs are."""
+    of_cells: int
+
+    def __str__(self) -> str:
+        run, cell = self.runs / self.of_runs, self.cells / self.of_cells
+        return f"one forged run is found with a chance of {run:.1%}, one forged cell of {cell:.1%}"
 
 
-def replay(run: Run, generations: int) -> Replay:
-    """Repeat a run's first generations; with its last one, digest and champion are compared too.
+def coverage(cells: Mapping[Run, str], repeated: Iterable[Run]) -> Coverage:
+    """What repeating some of the runs finds; their cells are given for all runs."""
+    found = {run for run in repeated if run in cells}
+    names = {cells[run] for run in found}
+    return Coverage(len(found), len(cells), len(names), len(set(cells.values())))
 
+
+def draw(cells: Mapping[Run, str], seed: int) -> list[Run]:
+    """All runs in a random order that gives cells equal weight, whatever their runs.
+
+    Of each cell there is one run, in a random order, then a second of each, and so on.
+    """
+    chance = random.Random(seed)
+    every = sorted(cells)
+    chance.shuffle(every)
+    counts = Counter[str]()
+    rounds: dict[int, list[Run]] = {}
+    for run in every:
+        rounds.setdefault(counts[cells[run]], []).append(run)
+        counts[cells[run]] += 1
+    return [run for number in sorted(rounds) for run in rounds[number]]
+
+
+def replay(run: Run, generations: int | None = None, deadline: float = math.inf) -> Replay:
+    """Repeat a run's first generations, or all of it.
+
+    With its last generation digest, champion and held-out episodes are compared too. At the
+    deadline, a time of `time.monotonic`, it ends with the generation that is under way.
     Raises UserError for a rule or an environment that is not known here.
     """
     record, info, evolution = _begin(run)
-    generations = min(generations, len(record.rows_of(info.seed)["generation"]))
+    last = len(record.rows_of(info.seed)["generation"])
+    asked = min(generations or last, last)
+    done = 0
     with contextlib.closing(make_engine(evolution.spec.task)) as engine:
-        values = _values(record, info, evolution, engine, generations)
-        problem = _first_difference(run, values)
-    return Replay((problem and problem.generation) or generations, problem)
+        for done in range(1, asked + 1):
+            values = _generation(record, info, evolution, engine)
+            if problem := _first_difference(run, values):
+                return Replay(done, problem)
+            if done < asked and time.monotonic() >= deadline:
+                return Replay(done, None, whole=False)
+        if done < last:
+            return Replay(done, None, whole=False)
+        return Replay(done, _first_difference(run, _end(info, evolution, engine)))
 
 
 def replay_champion(run: Run) -> Replay:
@@ -61,9 +108,7 @@ def replay_champion(run: Run) -> Replay:
     champion = Population.of([info.champion.genome()])
     evolution.state = evolution.state._replace(population=champion)
     with contextlib.closing(make_engine(evolution.spec.task)) as engine:
-        again = HeldOut.of(evolution.held_out_returns(engine))
-    returns = (None, "held_out.returns", info.held_out.returns, again.returns)
-    return Replay(0, _first_difference(run, [returns]))
+        return Replay(0, _first_difference(run, _held_out(info, evolution, engine)))
 
 
 def _begin(run: Run) -> tuple[Record, SeedInfo, Evolution]:
@@ -77,20 +122,29 @@ def _begin(run: Run) -> tuple[Record, SeedInfo, Evolution]:
     return record, info, Evolution.begin(spec, inputs, outputs)
 
 
-def _values(
-    record: Record, info: SeedInfo, evolution: Evolution, engine: Engine, generations: int
+def _generation(
+    record: Record, info: SeedInfo, evolution: Evolution, engine: Engine
 ) -> Iterator[Value]:
-    """All that is stored of a run's first generations, beside what they give now."""
+    """What is stored of a run's next generation, beside what it gives now."""
     stored = record.rows_of(info.seed)
-    for number in range(generations):
-        row = evolution.step(engine)
-        for column in COLUMNS:
-            yield number + 1, column, stored[column][number].item(), getattr(row, column)
-    if generations == len(stored["generation"]):
-        yield None, "digest", info.digest, evolution.state.digest
-        champion = Champion.of(evolution.champion())
-        for name, old in info.champion:
-            yield None, f"champion.{name}", old, getattr(champion, name)
+    row = evolution.step(engine)
+    for column in COLUMNS:
+        old = stored[column][row.generation - 1].item()
+        yield row.generation, column, old, getattr(row, column)
+
+
+def _end(info: SeedInfo, evolution: Evolution, engine: Engine) -> Iterator[Value]:
+    """What is stored of a run's end, beside what it gives now."""
+    yield None, "digest", info.digest, evolution.state.digest
+    champion = Champion.of(evolution.champion())
+    for name, old in info.champion:
+        yield None, f"champion.{name}", old, getattr(champion, name)
+    yield from _held_out(info, evolution, engine)
+
+
+def _held_out(info: SeedInfo, evolution: Evolution, engine: Engine) -> Iterator[Value]:
+    again = HeldOut.of(evolution.held_out_returns(engine))
+    yield None, "held_out.returns", info.held_out.returns, again.returns
 
 
 def _first_difference(run: Run, values: Iterable[Value]) -> Problem | None:

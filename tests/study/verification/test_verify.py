@@ -1,5 +1,6 @@
 """Verification and replays: draws, summaries, manifests. Errors: planted."""
 
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,7 +14,7 @@ from neol.spec.configuration import load_configuration
 from neol.spec.observations import size_of
 from neol.study.campaign.jobs import jobs
 from neol.study.verification.manifest import NAME, read_manifest, write_manifest
-from neol.study.verification.replays import Replay, Run, draw
+from neol.study.verification.replays import Coverage, Replay, Run, coverage, draw
 from neol.study.verification.returns import Returns, returns_of
 from tests.helpers.command import neol
 from tests.helpers.damage import Json, forge_record
@@ -37,11 +38,21 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield folder
 
 
-def test_draws_are_the_seeds_and_never_repeat() -> None:
-    runs = [(Path(name), seed) for name in "ab" for seed in range(50)]
-    assert draw(runs, 9, 1) == draw(reversed(runs), 9, 1) != draw(runs, 9, 2)
-    assert len(set(draw(runs, 9, 1))) == 9
-    assert draw(runs, 1000, 1) == runs
+def test_draws_give_cells_equal_weight_and_never_repeat() -> None:
+    sizes = {"few": 2, "many": 50}
+    cells = {(Path(cell), seed): cell for cell, size in sizes.items() for seed in range(size)}
+    order = draw(cells, 1)
+    assert order == draw(dict(reversed(cells.items())), 1) != draw(cells, 2)
+    assert sorted(order) == sorted(cells)
+    for first in (0, 2):
+        assert {cells[run] for run in order[first : first + 2]} == {"few", "many"}
+
+
+def test_what_replays_find_is_a_share_of_runs_and_of_cells() -> None:
+    cells = {(Path(cell), seed): cell for cell in "abcd" for seed in range(10)}
+    some = coverage(cells, draw(cells, 0)[:3])
+    assert some == Coverage(runs=3, of_runs=40, cells=3, of_cells=4)
+    assert "one forged run is found with a chance of 7.5%, one forged cell of 75.0%" in str(some)
 
 
 def test_the_manifest_is_the_same_each_time(campaign: Path, tmp_path: Path) -> None:
@@ -183,16 +194,47 @@ def test_records_named_twice_are_checked_once(campaign: Path) -> None:
 
 
 def test_what_was_repeated_is_said_with_the_seed_of_the_draw(campaign: Path) -> None:
-    outcome = neol(
-        *("verify", campaign, "--replay", 2, "--generations", 10**6),
-        *("--replay-champions", 1, "--seed", 5),
-    )
+    outcome = neol("verify", campaign, "--replay", 2, "--replay-champions", 1, "--seed", 5)
     assert outcome.exit_code == 0
     assert outcome.stdout == (
         "3 records of 9 runs checked, 3 of 3 records of first/smoke, 2 runs repeated, "
-        "6 generations, 1 champion played again (--seed 5): all well\n"
+        "6 generations, one forged run is found with a chance of 22.2%, one forged cell of 66.7%, "
+        "1 champion played again (--seed 5): all well\n"
     )
     assert "(--seed " in neol("verify", campaign, "--replay", 1).stdout
+
+
+def test_first_generations_alone_find_no_whole_run(campaign: Path) -> None:
+    outcome = neol("verify", campaign, "--replay", 2, "--generations", 2, "--seed", 5)
+    assert "2 runs repeated, 4 generations" in outcome.stdout
+    assert "one forged run is found with a chance of 0.0%" in outcome.stdout
+
+
+def test_time_ends_a_verification(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter(range(10**6))  # a second each time that somebody asks
+    monkeypatch.setattr("time.monotonic", lambda: float(next(now)))
+    outcome = neol("verify", campaign, "--minutes", 0.25, "--seed", 5)
+    assert outcome.exit_code == 0
+    repeated = re.search(r"(\d+) runs? repeated", outcome.stdout)
+    assert repeated
+    assert 0 < int(repeated[1]) < 9
+    assert "9 runs repeated" in neol("verify", campaign, "--minutes", 100, "--seed", 5).stdout
+
+
+def test_what_agreed_is_not_repeated_another_time(campaign: Path, tmp_path: Path) -> None:
+    log = tmp_path / "replayed.txt"
+    first = neol("verify", campaign, "--replay", 4, "--log", log)
+    assert "4 runs repeated" in first.stdout
+    rest = neol("verify", campaign, "--replay", "all", "--log", log)
+    assert "5 runs repeated, 15 generations, 4 repeated before, " in rest.stdout
+    assert "one forged run is found with a chance of 100.0%" in rest.stdout
+    assert len(log.read_text().splitlines()) == 9
+
+
+def test_what_is_no_number_of_runs_is_refused(campaign: Path) -> None:
+    outcome = neol("verify", campaign, "--replay", "some")
+    assert outcome.exit_code == 2
+    assert '--replay some: give a number of runs, or "all"' in outcome.stderr
 
 
 def test_runs_and_champions_are_drawn_apart(
@@ -201,7 +243,7 @@ def test_runs_and_champions_are_drawn_apart(
     drawn: list[list[Run]] = [[], []]
 
     def note(place: int) -> Callable[..., Replay]:
-        def play(run: Run, *_: int) -> Replay:
+        def play(run: Run, *_: object) -> Replay:
             drawn[place].append(run)
             return Replay(0, None)
 

@@ -203,7 +203,8 @@ def nudge_weight(info: Json) -> None:
     info["champion"]["connections"][0][3] = last_bit(info["champion"]["connections"][0][3])
 
 
-FIRST, ALL, CHAMPIONS = "--replay 9 --generations 2", "--replay 9", "--replay-champions 9"
+FIRST, ALL = "--replay all --generations 2", "--replay all"
+CHAMPIONS = "--replay-champions 9"
 
 CONTENTS = [
     Plant("provenance edited, digest as it was", unsealed(edited_text(b'"1.0"', b'"2.0"'))),
@@ -235,6 +236,7 @@ CONTENTS = [
     Plant("best fitness out of reach", edit(row("best_fitness", lambda old: old + 100))),
     Plant("best fitness edited plausibly", edit(plausible_fitness), FIRST),
     Plant("the last bit of a mean", edit(row("mean_fitness", last_bit)), FIRST),
+    Plant("the last bit of the last spread", edit(row("sd_fitness", last_bit, 3)), ALL),
     Plant("evaluations edited", edit(row("evaluations", lambda old: old - 1))),
     Plant("environment steps that go back", edit(row("env_steps", lambda _: 3))),
     Plant("environment steps edited plausibly", edit(row("env_steps", lambda old: old + 1))),
