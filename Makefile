@@ -61,11 +61,11 @@ test: lint
 
 # In the order of config/search/candidates.yaml; finished runs are kept.
 search: $(READY)
-	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.search search | xargs --max-lines=1 snakemake'
+	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.search search | xargs --no-run-if-empty --max-lines=1 snakemake'
 
 # The same for config/search/multiverse.yaml.
 multiverse: $(READY)
-	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.multiverse | xargs --max-lines=1 snakemake'
+	$(RUN) bash -o pipefail -c 'python -m neol.study.campaign.multiverse | xargs --no-run-if-empty --max-lines=1 snakemake'
 
 # neat-python (the peer) and EnvPool are not dependencies of the library; only this target installs them.
 bench: $(READY)
