@@ -13,6 +13,7 @@ import pytest
 from neol.run.workspace import finished_path, partial_folder
 from neol.study.campaign.grid import RESULTS, blocks, paper_cells
 from neol.study.campaign.jobs import jobs
+from neol.study.campaign.multiverse import calls
 from neol.study.campaign.shown import DEFAULT_BUDGET, SHOWN_READING, select
 from neol.study.output.sidecar import trace
 from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
@@ -175,6 +176,13 @@ def test_another_reading_shares_no_path_with_the_shown_one(clone: Path) -> None:
     assert all(f"/{reading}/demo/" in file for file in files)
     logs = re.findall(r"^    log: (\S+)$", said, re.MULTILINE)
     assert all(log.startswith(f"logs/{reading}/demo/") for log in logs)
+
+
+def test_a_call_of_the_multiverse_plans_its_records(clone: Path) -> None:
+    words = calls()[1].split()
+    assert words[-1] == "reading=default+plasticity.reward_scale=0.1"
+    records = [Path(word) for word in words if word.endswith(".parquet")]
+    assert planned(clone, *words).get("run", 0) == missing(clone, records)
 
 
 def test_every_table_and_figure_is_a_target(clone: Path) -> None:
