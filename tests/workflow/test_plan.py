@@ -178,6 +178,10 @@ def test_another_reading_shares_no_path_with_the_shown_one(clone: Path) -> None:
     assert all(log.startswith(f"logs/{reading}/demo/") for log in logs)
 
 
+def test_the_page_of_readings_needs_no_run(clone: Path) -> None:
+    assert set(planned(clone, "docs/readings.md")) <= {"readings_page"}
+
+
 def test_a_call_of_the_multiverse_plans_its_records(clone: Path) -> None:
     words = calls()[1].split()
     assert words[-1] == "reading=default+plasticity.reward_scale=0.1"
