@@ -56,11 +56,14 @@ def comparable(state: State) -> object:
     return genomes, species, numbers, state.history, state.digest
 
 
-@pytest.mark.parametrize("method", ["neat", "bcm"])
-def test_resumed_after_any_generation_equals_uninterrupted(method: str, tmp_path: Path) -> None:
-    spec = run_spec(
-        method, 0, "neat.compatibility_threshold=0.6", "neat.remove_node_rate=0.1", generations=6
-    )
+@pytest.mark.parametrize(
+    ("method", "innovation"), [("neat", "generation"), ("neat", "endpoints"), ("bcm", "generation")]
+)
+def test_resumed_after_any_generation_equals_uninterrupted(
+    method: str, innovation: str, tmp_path: Path
+) -> None:
+    overrides = ["neat.compatibility_threshold=0.6", "neat.remove_node_rate=0.1"]
+    spec = run_spec(method, 0, *overrides, f"neat.innovation={innovation}", generations=6)
     whole = evolve(spec)
     assert len(whole.state.species_set.species) > 1
     path = tmp_path / "run.npz"

@@ -43,11 +43,11 @@ class Multiverse:
                 lambda row: row.clearly_above > 0 and row.clearly_below > 0,
             ),
             (
-                "Distinguishably above under some readings, in others on either side",
+                "Distinguishably above under some readings, distinguishably below under none",
                 lambda row: row.clearly_above > 0 and row.above < 1 and not row.clearly_below,
             ),
             (
-                "Distinguishably below under some readings and above under none",
+                "Distinguishably below under some readings, distinguishably above under none",
                 lambda row: row.clearly_below > 0 and not row.clearly_above,
             ),
             (
