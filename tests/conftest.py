@@ -1,4 +1,4 @@
-"""What several tests share."""
+"""Fixtures that several tests share, and the order of tests."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import pytest
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Whole workflows first: they take longest, and another process does all else meanwhile."""
+    """Run whole workflows first: they take longest, while another process runs other tests."""
     items.sort(key=lambda item: item.path.parent.name not in ("workflow", "cluster"))
 
 

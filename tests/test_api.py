@@ -1,4 +1,4 @@
-"""What `import neol` offers."""
+"""The public names of `import neol`."""
 
 import ast
 import doctest

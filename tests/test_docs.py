@@ -1,4 +1,4 @@
-"""Documents name only what there is: functions, files, constants."""
+"""Documents name only existing functions, files and constants."""
 
 import importlib
 import re
@@ -23,7 +23,7 @@ def code_spans(path: Path) -> list[str]:
 
 
 def resolve(name: str) -> object:
-    """What a dotted name such as neol.neat.genome.Genome.copy stands for."""
+    """Return the object of a dotted name such as neol.neat.genome.Genome.copy."""
     parts = name.split(".")
     for length in range(len(parts), 0, -1):
         try:

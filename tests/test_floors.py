@@ -1,4 +1,4 @@
-"""The floors of the house: every folder stands on one, and imports from none above it."""
+"""The floors of the house: each folder has one, and imports from none above it."""
 
 import ast
 import re
@@ -11,11 +11,11 @@ import pytest
 from neol.spec.configuration import ROOT
 
 FLOORS = re.findall("^.* <- .*$", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE)
-"""As CONTRIBUTING.md draws them: `base <- random, network <- ...`, of neol/ and of neol/study/."""
+"""Floors of neol/ and neol/study/ in CONTRIBUTING.md: `base <- random, network <- ...`."""
 
 
 def imports(package: Path) -> dict[str, set[str]]:
-    """Each folder of a package, and which others of its folders its files import."""
+    """Return each folder of a package with the other folders that its files import."""
     found: dict[str, set[str]] = {}
     for path in sorted(package.glob("*/**/*.py")):
         folder = path.relative_to(package).parts[0]
@@ -61,7 +61,7 @@ def test_no_modules_import_in_a_circle() -> None:
 
 
 def top_level_imports(path: Path) -> Iterator[str]:
-    """What a module imports when it is itself imported: modules, not the names in them."""
+    """Return the modules that a module imports when it is itself imported."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("neol."):
             for alias in node.names:

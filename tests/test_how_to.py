@@ -19,13 +19,13 @@ PAGES = ROOT / "docs" / "how-to"
 
 
 def blocks(page: str, language: str) -> list[str]:
-    """The code blocks of a page in some language."""
+    """Return the code blocks of a page in one language."""
     text = (PAGES / page).read_text(encoding="utf-8")
     return re.findall(rf"^```{language}\b.*?\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def shell(commands: str, folder: Path, package: Path = ROOT) -> str:
-    """What commands print that run in a folder, with this neol or another copy of it."""
+    """Run commands in a folder, with this neol or another copy of it; return their output."""
     binaries = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = os.environ | {"PATH": binaries, "PYTHONPATH": str(package)}
     done = subprocess.run(
@@ -49,7 +49,7 @@ def copy_repository(folder: Path) -> None:
 
 
 def apply(diff: str, folder: Path) -> None:
-    """Make a page's changes, each of lines that its file has once."""
+    """Make a page's changes; the changed lines occur once in their file."""
     for path, change in re.findall(r"^\+\+\+ b/(.*)\n@@\n((?:[-+ ].*\n)+?)(?=---|\Z)", diff, re.M):
         file, lines = folder / path, change.splitlines(keepends=True)
         old, new = ("".join(line[1:] for line in lines if line[0] in kept) for kept in (" -", " +"))
@@ -174,7 +174,7 @@ def test_a_figure(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_question_under_another_reading(tmp_path: Path) -> None:
-    """As the page says, but with runs of two generations, and tables planned only."""
+    """Follow the page with runs of two generations; tables are only planned."""
     copy_repository(tmp_path)
     budget, reading = blocks("ask-another-reading.md", "yaml")
     small = {"generations: 20": "generations: 2", "count: 5": "count: 2", "[50]": "[6]"}

@@ -1,4 +1,4 @@
-"""What the code never does: run what a file or a parameter holds."""
+"""The code never executes the content of a file or a parameter."""
 
 import ast
 from pathlib import Path
@@ -18,7 +18,7 @@ FORBIDDEN_CALLS = {
 
 
 def dangers(source: str) -> list[str]:
-    """Calls and imports that could run what a file holds."""
+    """Return calls and imports that could execute the content of a file."""
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import | ast.ImportFrom):

@@ -1,4 +1,4 @@
-"""What an installed neol has with it."""
+"""The files of an installed neol."""
 
 import subprocess
 import sys

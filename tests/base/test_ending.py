@@ -1,4 +1,4 @@
-"""How modules end that run as programs."""
+"""Endings of modules that run as programs."""
 
 import subprocess
 import sys

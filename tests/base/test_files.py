@@ -1,4 +1,4 @@
-"""Files are whole or not there."""
+"""Atomic writing and bounded reading of files."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-"""Where the exceptions of Ctrl-C, SIGTERM and the like come out."""
+"""Places at which Ctrl-C, SIGTERM and other signals raise their exceptions."""
 
 import signal
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept."""
+"""The cache of compiled kernels."""
 
 import os
 import pwd
@@ -19,7 +19,7 @@ COMPILE = (
 
 
 def cache_of_a_process(**environment: str) -> Path:
-    """Compile a kernel in a process of its own; where it is kept."""
+    """Compile a kernel in its own process; return the folder of its cache."""
     done = subprocess.run(
         [sys.executable, "-c", COMPILE],
         env=os.environ | environment,
@@ -124,7 +124,7 @@ print(len(calls))
 
 @pytest.mark.slow
 def test_no_kernel_calls_python_for_what_it_returns() -> None:
-    """There numba does not expect an exception, and a signal's handler may raise one."""
+    """Numba does not expect an exception there, but a signal handler may raise one."""
     done = subprocess.run(
         [sys.executable, "-c", CALLS], stdout=subprocess.PIPE, text=True, check=True
     )

@@ -1,4 +1,4 @@
-"""Records of tiny runs, made once."""
+"""Records of tiny runs, made once for all tests."""
 
 from collections.abc import Callable
 from functools import cache
@@ -16,7 +16,7 @@ MakePlayer = Callable[..., Player]
 
 @pytest.fixture(scope="session")
 def record_of(tmp_path_factory: pytest.TempPathFactory) -> MakeRecord:
-    """The record of two short runs of a task and method, seeds 3 and 4, with much structure."""
+    """Make a record of two short runs of a task and method, seeds 3 and 4, with many nodes."""
 
     @cache
     def make(task: str, method: str = "bcm", activation: str = "tanh") -> Path:
@@ -45,5 +45,5 @@ def record_of(tmp_path_factory: pytest.TempPathFactory) -> MakeRecord:
 
 @pytest.fixture(scope="session")
 def player_of(record_of: MakeRecord) -> MakePlayer:
-    """The champion of the first of these runs."""
+    """Return the champion of the first of these runs."""
     return lambda *arguments: load_champion(record_of(*arguments))

@@ -1,4 +1,4 @@
-"""What others run is what we run."""
+"""Exported networks compute what ours compute."""
 
 import json
 import math
@@ -26,7 +26,7 @@ CASES = [(task, "tanh") for task in TASKS] + [
 
 
 def episode(player: Player) -> Trace:
-    """Real observations, and what the network with fixed weights did."""
+    """Return observations of an episode, and the outputs of the network with fixed weights."""
     return player.play(player.held_out_seeds[0], plastic_steps=0)
 
 

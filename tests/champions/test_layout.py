@@ -1,4 +1,4 @@
-"""Layers, edges and places of networks that evolved without layers."""
+"""Layers, edges and places of evolved networks."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ CONFIGURATION = load_configuration("paper")
 
 
 def player(*connections: tuple[int, int, bool], hidden: int) -> Player:
-    """A champion with inputs 0 and 1, outputs 2 and 3 and hidden nodes from 4 on."""
+    """Return a champion with inputs 0 and 1, outputs 2 and 3 and hidden nodes from 4 on."""
     nodes = np.array([(id_, 0.0) for id_ in range(2, 4 + hidden)], dtype=NODE)
     genes = np.array(
         [(number, a, b, 1.0, on) for number, (a, b, on) in enumerate(connections)], dtype=CONNECTION

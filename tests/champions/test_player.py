@@ -1,4 +1,4 @@
-"""Champions play the very episodes of their records."""
+"""Champions replay exactly the episodes of their records."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""neol replay, show, compare, export: what they write, print and refuse."""
+"""neol replay, show, compare, export: files, output and refused input."""
 
 import json
 import os
@@ -21,7 +21,7 @@ from tests.helpers.command import neol, refused
 
 @pytest.fixture(autouse=True)
 def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_of: MakeRecord) -> None:
-    """a.parquet and b.parquet, with three held-out episodes of seeds 3 and 4."""
+    """Write a.parquet and b.parquet, with three held-out episodes of seeds 3 and 4."""
     for name, method in (("a", "bcm"), ("b", "neat")):
         (tmp_path / f"{name}.parquet").write_bytes(record_of("cartpole", method).read_bytes())
     monkeypatch.chdir(tmp_path)
@@ -131,7 +131,7 @@ def test_a_replay_that_differs_ends_with_3(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_replay_in_a_window() -> None:
-    """In one of SDL's that nobody sees; a process of its own keeps it from other tests."""
+    """Use an invisible window of SDL, in a separate process that does not affect other tests."""
     ran = subprocess.run(
         [sys.executable, "-m", "neol", "replay", "a.parquet", "--episodes", "1", "--human"],
         env=os.environ

@@ -1,4 +1,4 @@
-"""The command line: what it prints and what it refuses; test_ending: how it ends."""
+"""The command line: its output and refused input (test_ending: its endings)."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""How a command ends that is interrupted, terminated or no longer read."""
+"""Endings of a command that is interrupted, terminated or no longer read."""
 
 import os
 import re

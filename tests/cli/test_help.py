@@ -1,4 +1,4 @@
-"""What the help says: it is complete, in order, and its examples work. And shell completion."""
+"""The help is complete, in order, and its examples work; shell completion."""
 
 import os
 import re
@@ -31,18 +31,18 @@ SHARED = {
     "--set": "Set any other constant; may be repeated.",
     "--workers": "Parallel workers; does not change results.",
 }
-"""Options that more than one command may have, and how their help begins."""
+"""Options that several commands share, and the beginning of their help."""
 
 
 def page(command: str = "") -> str:
-    """A command's help, or that of all."""
+    """Return the help of a command, or of the application."""
     outcome = CliRunner().invoke(app, [*command.split(), "--help"], env={"COLUMNS": "80"})
     assert outcome.exit_code == 0
     return outcome.stdout
 
 
 def examples(command: str) -> list[str]:
-    """The commands that a command's help gives as examples."""
+    """Return the examples in a command's help."""
     return re.findall(r"^ +neol (.*)$", page(command).replace("\\\n", " "), re.MULTILINE)
 
 
@@ -94,7 +94,7 @@ def test_options_of_one_name_mean_the_same(command: str) -> None:
 
 @pytest.mark.slow
 def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One after the other, in a folder that has the shipped records and one table."""
+    """Run all examples in a folder with shipped records and one table."""
     made_up = configuration()
     write_campaign(tmp_path / "made_up", made_up, {})
     table1(Campaign(made_up, tmp_path / "made_up")).write(tmp_path / "figures")
@@ -113,7 +113,7 @@ def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def completions(line: str) -> list[str]:
-    """What bash offers for the last word of a line."""
+    """Return bash's completions of the last word of a line."""
     words = line.split(" ")
     done = subprocess.run(
         [sys.executable, "-c", "from neol.cli import app; app(prog_name='neol')"],
@@ -141,7 +141,7 @@ def test_bash_completes_commands_options_and_values() -> None:
 
 @pytest.mark.slow
 def test_a_completion_script_is_shown() -> None:
-    disabled = {"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}  # the shell may be any
+    disabled = {"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}  # any shell
     done = subprocess.run(
         [sys.executable, "-m", "neol", "--show-completion", "bash"],
         env=os.environ | disabled | {"PYTHONPATH": str(ROOT)},

@@ -31,7 +31,7 @@ def limited(size: int) -> Prepare:
 
 
 def assert_refused(command: str, reason: str, prepare: Prepare = lambda: None) -> str:
-    """The command ends in one line, whose file it returns; all that is there is whole."""
+    """Check that a command ends in one line and leaves whole files; return that line's file."""
     status, lines = ended(command, prepare)
     assert (status, len(lines)) == (2, 1)
     (line,) = lines
@@ -50,7 +50,7 @@ def assert_refused(command: str, reason: str, prepare: Prepare = lambda: None) -
     [(2, 0, "seed_000000.npz"), (99, 0, "seed_000000.parquet"), (99, -200, "run.parquet")],
 )
 def test_a_file_that_cannot_grow(checkpoints: int, room: int, file: str) -> None:
-    """As on a full disk, at a checkpoint, at a seed's record, at the block's."""
+    """Files cannot grow at a checkpoint, at a seed's record, at the block's record."""
     command = SHORT.replace(f"--checkpoint-every {EVERY}", f"--checkpoint-every {checkpoints}")
     expected = undisturbed(command)
     neol(command)
@@ -62,7 +62,7 @@ def test_a_file_that_cannot_grow(checkpoints: int, room: int, file: str) -> None
 
 @pytest.fixture
 def full_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of 64 KiB, where we may mount one."""
+    """Mount a file system of 64 KiB, if permitted."""
     folder = tmp_path / "disk"
     folder.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", folder]
@@ -101,7 +101,7 @@ def test_a_disk_that_is_full_behind_what_is_printed(command: str) -> None:
 
 
 def powerless() -> None:
-    """Root may write anywhere, so become somebody else."""
+    """Become another user, because root may write anywhere."""
     if os.geteuid() == 0:
         os.setgid(65534)
         os.setuid(65534)

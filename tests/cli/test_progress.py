@@ -1,4 +1,4 @@
-"""Progress: what it says of a run, and how often."""
+"""Progress of a run: its lines and their frequency."""
 
 import io
 import time

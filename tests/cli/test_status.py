@@ -15,7 +15,7 @@ from tests.study.workflow.conftest import unmeasured as unmeasured
 
 @pytest.fixture
 def smoke(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Folder:
-    """The folder again, of a budget of which the command knows, below the working folder."""
+    """Return the folder of a known budget, below the working folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(shown, "select", lambda *_: CONFIGURATION)
     return Folder(Path("results/first/smoke"), CONFIGURATION)

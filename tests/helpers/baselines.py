@@ -19,7 +19,7 @@ def write_baseline(
     numbers: tuple[float, float, float],
     budget: str = SCREENING,
 ) -> None:
-    """Write the records of a baseline whose final values have this mean and standard deviation.
+    """Write the records of a baseline whose final values have a given mean and deviation.
 
     Its mean best fitness is the third number plus as much as the final value is off its mean.
     """

@@ -61,7 +61,7 @@ class Child:
             os._exit(status)
 
     def end(self) -> tuple[int, list[str]]:
-        """Wait for it: its status, as of subprocess, and the lines on standard error."""
+        """Wait for the end; return the status (as subprocess does) and lines of standard error."""
         with os.fdopen(self.said) as said:
             lines = said.read().splitlines()
         _, status = os.waitpid(self.pid, 0)
@@ -73,7 +73,7 @@ def ended(command: str, prepare: Prepare = lambda: None) -> tuple[int, list[str]
 
 
 def undisturbed(command: str) -> object:
-    """What the command comes to when nothing happens to it; runs it here, which warms it up."""
+    """Return the result of the undisturbed command; running it here compiles its kernels."""
     Path("whole").mkdir()
     assert neol(command.replace("run.parquet", "whole/run.parquet")).exit_code == 0
     made = result(read_record(Path("whole/run.parquet")))
@@ -82,7 +82,7 @@ def undisturbed(command: str) -> object:
 
 
 def assert_finishes(command: str, expected: object) -> None:
-    """The same command goes on to the same record, and leaves nothing else."""
+    """Check that the same command continues to the same record and leaves no other file."""
     assert ended(command) == (0, [])
     assert names(Path()) == ["run.parquet"]
     assert result(read_record(Path("run.parquet"))) == expected

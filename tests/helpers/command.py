@@ -23,12 +23,12 @@ TINY = (
 
 
 def neol(line: str, *arguments: object) -> Result:
-    """In this process: the words of a line, and after them whole arguments, such as paths."""
+    """Call neol in this process with the words of a line, then whole arguments such as paths."""
     return CliRunner().invoke(app, [*shlex.split(line), *map(str, arguments)])
 
 
 def refused(arguments: str) -> str:
-    """The one line that a command with wrong input prints."""
+    """Return the one line that a command with wrong input prints."""
     outcome = neol(arguments)
     assert outcome.exit_code == 2
     assert outcome.stdout == ""
@@ -40,7 +40,7 @@ def refused(arguments: str) -> str:
 def specification(
     arguments: str, monkeypatch: pytest.MonkeyPatch
 ) -> tuple[RunSpec, dict[str, Any]]:
-    """What a command would run, without running it."""
+    """Return the run that a command specifies, without running it."""
     called: list[tuple[RunSpec, dict[str, Any]]] = []
 
     def pretend(spec: RunSpec, seeds: list[int], output: Path, **settings: Any) -> Any:

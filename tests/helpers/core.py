@@ -1,4 +1,4 @@
-"""The compiled core for tests: built where there is a compiler, and then it must be there."""
+"""The compiled core for tests; with a compiler it must be built."""
 
 import ctypes
 
@@ -9,7 +9,7 @@ from neol.rollout.worlds.box2d.library import load
 
 
 def require_compiler() -> None:
-    """Skip the test where there is no C++ compiler."""
+    """Skip the test without a C++ compiler."""
     try:
         find_compiler()
     except BuildError as error:
@@ -17,7 +17,7 @@ def require_compiler() -> None:
 
 
 def require_core() -> ctypes.CDLL:
-    """The core, up to date; the test fails where it cannot be built."""
+    """Return an up-to-date core; the test fails if it cannot be built."""
     require_compiler()
     library = load()
     if isinstance(library, str):

@@ -1,4 +1,4 @@
-"""Damage done to files: by chance, by mistake, and by careful liars."""
+"""Damage to files: by chance, by mistake, and by careful forgery."""
 
 import json
 from collections.abc import Callable
@@ -18,7 +18,7 @@ Json = Any
 
 
 def forge_record(path: Path, change: Callable[[Json, Json], None]) -> None:
-    """Change a record's metadata and rows, and seal it anew, as a careful liar would."""
+    """Change a record's metadata and rows, and compute its digest again, as a forger would."""
     file = pq.ParquetFile(path)
     metadata, rows = json.loads(file.metadata.metadata[b"neol"]), file.read().to_pydict()
     change(metadata, rows)
@@ -29,7 +29,7 @@ def forge_record(path: Path, change: Callable[[Json, Json], None]) -> None:
 
 
 def forge_checkpoint(path: Path, change: Callable[[Arrays], None]) -> None:
-    """Change a checkpoint's arrays, and seal it anew."""
+    """Change a checkpoint's arrays, and compute its digest again."""
     with np.load(path) as file:
         arrays = {name: file[name] for name in file.files if name != "seal"}
     change(arrays)
@@ -69,7 +69,7 @@ TOKENS = [
 
 @st.composite
 def flipped(draw: st.DrawFn, content: bytes) -> bytes:
-    """A file of which one byte to three are others."""
+    """Change one to three bytes of a file."""
     damaged = bytearray(content)
     for _ in range(draw(st.integers(1, 3))):
         damaged[draw(st.integers(0, len(content) - 1))] ^= draw(st.integers(1, 255))
@@ -78,7 +78,7 @@ def flipped(draw: st.DrawFn, content: bytes) -> bytes:
 
 @st.composite
 def damaged(draw: st.DrawFn, content: bytes) -> bytes:
-    """A file with some bytes changed, lost, doubled or put in."""
+    """Change, remove, double or insert some bytes of a file."""
     for _ in range(draw(st.integers(1, 3))):
         begin = draw(st.integers(0, len(content)))
         end = min(len(content), begin + draw(st.sampled_from([0, 1, 4, 64, len(content)])))
@@ -98,7 +98,7 @@ def damaged(draw: st.DrawFn, content: bytes) -> bytes:
 
 
 def mistake(draw: st.DrawFn, content: Json) -> Json:
-    """JSON with a value somewhere replaced, or a key removed, renamed or added."""
+    """Replace a value of JSON, or remove, rename or add a key."""
     if isinstance(content, dict) and content and draw(st.integers(0, 4)):
         key = draw(st.sampled_from(sorted(content)))
         return content | {key: mistake(draw, content[key])}

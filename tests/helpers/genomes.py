@@ -40,14 +40,14 @@ def stream(seed: int = 0) -> State:
 
 
 def in_order(genomes: list[Genome]) -> list[Genome]:
-    """Genomes by `fittest_first`, which knows their age by their place."""
+    """Sort genomes by `fittest_first`, in which a lower place means an older genome."""
     genomes = sorted(genomes, key=lambda genome: genome.id)
     population = Population(0, Pool.of(genomes), np.array([genome.fitness for genome in genomes]))
     return [genomes[place] for place in fittest_first(population, np.arange(len(genomes)))]
 
 
 def cross(one: Genome, other: Genome, neat: Neat, seed: int = 0) -> Genome:
-    """A child of two parents by crossover alone."""
+    """Make a child of two parents by crossover alone."""
     fitter, weaker = in_order([one, other])
     child = fitter.copy()
     crossover(

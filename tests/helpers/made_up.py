@@ -1,4 +1,4 @@
-"""Made-up records: a campaign's folder whose statistics are known beforehand."""
+"""Made-up records: a campaign's folder with known statistics."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -83,7 +83,7 @@ def run(
     reading: str = SHOWN_READING,
     decline: float = 1.0,
 ) -> Record:
-    """A run whose best fitness is by `decline` higher in each earlier generation.
+    """Return a run whose best fitness is higher by `decline` in each earlier generation.
 
     So only the final generation may count. Its champion comes to 1 less in held-out episodes.
     """

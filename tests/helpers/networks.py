@@ -1,4 +1,4 @@
-"""Random networks for tests, and what one says to an observation."""
+"""Random networks for tests, and the outputs of one."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What is refused is refused in one line."""
+"""Checks that input is refused in one line."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -11,14 +11,14 @@ T = TypeVar("T")
 
 
 def refusal(call: Callable[..., object], *arguments: object, **keywords: object) -> str:
-    """The line with which a call refuses its arguments."""
+    """Return the line with which a call refuses its arguments."""
     with pytest.raises(UserError) as raised:
         call(*arguments, **keywords)
     return _line(raised.value)
 
 
 def survive(read: Callable[[], T], says: str = "") -> T | None:
-    """It loads, or says in one line why not."""
+    """Check that a call loads its input or refuses it in one line."""
     try:
         return read()
     except UserError as error:

@@ -1,4 +1,4 @@
-"""Tiny runs on the reference engine, and what interrupts and compares them."""
+"""Tiny runs on the reference engine, and functions that interrupt and compare them."""
 
 from pathlib import Path
 from typing import Any
@@ -53,7 +53,7 @@ def block(output: Path, spec: RunSpec = SPEC, seeds: tuple[int, ...] = (0, 1), *
 
 
 def result(record: Record) -> object:
-    """A record without costs and provenance: what must not depend on anything but the spec."""
+    """Return a record without costs and provenance: the part that depends only on the spec."""
     timeless: list[dict[str, Any]] = [
         info.model_dump(exclude={"wall_seconds", "cpu_seconds", "provenance", "engine"})
         for info in record.seeds
@@ -62,7 +62,7 @@ def result(record: Record) -> object:
 
 
 def killer(seed: int, generation: int, error: type[BaseException]) -> OnGeneration:
-    """Stops a block after a generation of a seed."""
+    """Return a callback that stops a block after a generation of a seed."""
 
     def stop(current: int, done: Generation) -> None:
         if (current, done.generation) == (seed, generation):

@@ -1,4 +1,4 @@
-"""Step by step, an environment in compiled code against Gymnasium's own."""
+"""Comparison of a compiled environment with Gymnasium's, step by step."""
 
 from collections.abc import Callable
 from typing import Any
@@ -14,7 +14,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Slot:
-    """One slot of a world, from Python."""
+    """One slot of a world, called from Python."""
 
     def __init__(self, world: World, inputs: int, number: int = 0) -> None:
         self._world = world
@@ -32,7 +32,7 @@ class Slot:
         self._world.reset(self._number, random, self._rows)
 
     def step(self, outputs: Array) -> tuple[float, bool]:
-        """Act by a network's outputs: reward, and whether the episode ended."""
+        """Take a step by a network's outputs; return the reward and whether the episode ended."""
         rows = np.tile(outputs, (self._number + 1, 1))
         self._world.step(self._playing, rows, self._rows, self._reward, self._ended)
         return self._reward[self._number].item(), self._ended[self._number].item()
@@ -44,7 +44,7 @@ def compare_episode(
     seed: int,
     policy: Callable[[Array], Array],
 ) -> int:
-    """Play one episode on both sides, asserting equal bits at every step: its length."""
+    """Play one episode on both sides, assert equal bits at every step; return its length."""
     space = environment.action_space
     slot.reset(seed)
     expected, _ = environment.reset(seed=seed)

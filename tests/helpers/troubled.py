@@ -1,4 +1,4 @@
-"""Environments that misbehave in some episodes, one of them while a file tells it to."""
+"""Environments that misbehave in some episodes; a file controls one of them."""
 
 import os
 import signal
@@ -47,19 +47,19 @@ TASK = Task(name="troubled", environment="Troubled-v0", max_steps=10, fresh_worl
 
 
 def reference_engine() -> Engine:
-    """In a worker, which imports this module for it: so the environment is registered there too."""
+    """Make an engine in a worker, which imports this module and so registers the environment."""
     return ReferenceEngine(TASK)
 
 
 def make_engine(_task: Task, _choice: str, workers: int) -> Engine:
-    """In place of the one of neol.rollout."""
+    """Replacement for the function of neol.rollout."""
     if workers == 1:
         return reference_engine()
     return ProcessEngine(reference_engine, "reference", workers)
 
 
 class Treacherous(gymnasium.Env[Any, Any]):
-    """Ends well for some of the seeds; for the others something becomes NaN at the third step."""
+    """Environment that works for some seeds; for others a value becomes NaN at the third step."""
 
     action_space = gymnasium.spaces.Discrete(2)
     observation_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), np.float64)

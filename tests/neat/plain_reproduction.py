@@ -26,9 +26,9 @@ class Connection:
 @dataclass
 class PlainGenome:
     biases: dict[int, float]
-    """Of outputs and hidden nodes, by id."""
+    """Bias of output and hidden nodes, by id."""
     connections: dict[int, Connection] = field(default_factory=dict)
-    """By innovation number."""
+    """Connections by innovation number."""
     fitness: float = math.nan
 
     def copy(self) -> "PlainGenome":
@@ -47,14 +47,14 @@ class PlainGenome:
 
 
 class PlainReproduction:
-    """Makes populations; of two parents the fitter, smaller, older one gives the structure."""
+    """Maker of populations; the fitter, smaller, older parent passes on its structure."""
 
     def __init__(self, inputs: int, outputs: int, neat: Neat) -> None:
         self.inputs, self.outputs, self.neat = inputs, outputs, neat
         self.next_innovation, self.next_node = inputs * outputs, inputs + outputs
 
     def initial_population(self, size: int, random: np.random.Generator) -> list[PlainGenome]:
-        """Every input connected to every output."""
+        """Connect every input to every output."""
         self.variation = new_stream(random)
         outputs = range(self.inputs, self.inputs + self.outputs)
         pairs = [(source, target) for target in outputs for source in range(self.inputs)]
@@ -75,7 +75,7 @@ class PlainReproduction:
         adjusted: Sequence[float],
         random: np.random.Generator,
     ) -> list[PlainGenome]:
-        """The next population from the places of each species' members, best first, and F_adj."""
+        """Make the next population from each species' members (best first) and F_adj."""
         neat, children = self.neat, list[PlainGenome]()
         self.connected, self.split = dict[tuple[int, int], int](), list[int]()
         self.variation = new_stream(random)
@@ -97,13 +97,13 @@ class PlainReproduction:
         return children
 
     def ordered(self, pool: list[PlainGenome], p1: int, p2: int) -> tuple[int, int]:
-        """Two parents from a pool that is sorted: the one that gives the structure first."""
+        """Draw two parents from a sorted pool; the first one passes on its structure."""
         if self.neat.equal_parents == "smaller":
             return min(p1, p2), max(p1, p2)
         return (p1, p2) if pool[p1].fitness >= pool[p2].fitness else (p2, p1)
 
     def child(self, fitter: PlainGenome, other: PlainGenome) -> PlainGenome:
-        """Lines 17-27."""
+        """Make a child (lines 17-27)."""
         neat, child = self.neat, fitter.copy()
         if fitter is not other:
             self.cross(child, other)
@@ -129,7 +129,7 @@ class PlainReproduction:
         return child
 
     def cross(self, child: PlainGenome, other: PlainGenome) -> None:
-        """Matching genes come from either parent; of one disabled in either a rule decides."""
+        """Take matching genes from either parent; a rule decides on genes disabled in either."""
         for number in sorted(child.connections.keys() & other.connections.keys()):
             ours, theirs = child.connections[number], other.connections[number]
             ours.enabled = self.flag(ours.enabled, theirs.enabled)
@@ -190,7 +190,7 @@ class PlainReproduction:
         return [node for node in sorted(genome.biases) if node >= self.inputs + self.outputs]
 
     def connect(self, child: PlainGenome, source: int, target: int, weight: float) -> None:
-        """The same new connection has the same number all through a generation, or the run."""
+        """Return equal numbers for equal new connections of a generation, or of the run."""
         if self.neat.innovation == "endpoints":
             number = of_endpoints(source, target)
         else:
@@ -199,7 +199,7 @@ class PlainReproduction:
         child.connections[number] = Connection(source, target, weight)
 
     def mutated(self, what: Kind, values: list[float]) -> list[float]:
-        """WM_MODE, lines 22-27."""
+        """Mutate by WM_MODE (lines 22-27)."""
         mode, perturb, renew = self.neat.weight_mutation, 0.0, 0.0
         if mode == "config":
             perturb, renew = self.of(what, "mutate_rate"), self.of(what, "replace_rate")
@@ -226,12 +226,12 @@ class PlainReproduction:
         return limit if value > limit else -limit if value < -limit else value
 
     def of(self, what: Kind, constant: str) -> float:
-        """A constant of weights or of biases."""
+        """Return a constant of weights or of biases."""
         number: float = getattr(self.neat, f"{what}_{constant}")
         return number
 
     def normals(self, count: int) -> list[float]:
-        """Marsaglia's polar method."""
+        """Draw a normal number by Marsaglia's polar method."""
         normals: list[float] = []
         while len(normals) < count:
             x, y = (2.0 * self.variation.random(2) - 1.0).tolist()
@@ -246,17 +246,17 @@ class PlainReproduction:
 
 
 def of_endpoints(source: int, target: int) -> int:
-    """A number that orders connections by target, then source."""
+    """Return a number that orders connections by target, then source."""
     return (target << 24) + source
 
 
 def new_stream(random: np.random.Generator) -> np.random.Generator:
-    """One that is seeded from another."""
+    """Return a stream that is seeded from another."""
     return np.random.default_rng(int(random.integers(2**64, dtype=np.uint64)))
 
 
 def spawn_counts(adjusted: Sequence[float], size: int, neat: Neat) -> list[int]:
-    """Lines 1-4: rounded shares, then one more or one less where that is nearest to the share."""
+    """Return offspring counts (lines 1-4): rounded shares, then corrected by nearness to them."""
     total = sum(adjusted)
     shares = [size * each / total if total > 0 else size / len(adjusted) for each in adjusted]
     least = min(max(neat.min_species_size, neat.elitism), size)

@@ -1,4 +1,4 @@
-"""Breeding: copies, siblings, and WM_MODE is kept to."""
+"""Breeding: copies, siblings, and WM_MODE."""
 
 import numpy as np
 import pytest
@@ -19,14 +19,14 @@ def children_of(
     rates: Rates,
     innovations: Innovations,
 ) -> Population:
-    """A child for each pair of parents, or a copy where the pair stands for an elite."""
+    """Make a child for each pair of parents, or a copy for an elite."""
     rows = np.array(parents, dtype=PARENTS)
     pool = breed_all(Pool.of(genomes), rows, INPUTS, OUTPUTS, rates, innovations, stream())
     return Population(0, pool, np.full(len(parents), np.nan))
 
 
 def test_a_genome_bred_with_itself_and_unmutated_is_copied() -> None:
-    """Not even a disabled gene is drawn anew; and nothing is shared."""
+    """Not even a disabled gene is drawn again, and copies share no memory."""
     rates = RATES._replace(add_connection=0.0, add_node=0.0, mutate_enabled=0.0)
     rates = rates._replace(weight=rates.weight._replace(mutate_rate=0.0, replace_rate=0.0))
     rates = rates._replace(bias=rates.bias._replace(mutate_rate=0.0, replace_rate=0.0))

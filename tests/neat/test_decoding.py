@@ -18,7 +18,7 @@ OBSERVATION = np.array([0.3, -1.2, 2.0])
 
 
 def plain_outputs(genome: Genome) -> list[float]:
-    """Activities by recursion over the genes, connections in the order of their innovation."""
+    """Compute activities by recursion over the genes, connections in order of innovation."""
     bias = dict(genome.nodes.tolist())
 
     def activity(node: int) -> float:

@@ -50,7 +50,7 @@ def test_spawn_counts_by_hand(adjusted: list[float], size: int, expected: list[i
 
 
 def evolve(generations: int, size: int = 30, **changes: object) -> tuple[Population, Innovations]:
-    """A few generations on a fitness that is just the sum of weights."""
+    """Evolve a few generations with the sum of weights as fitness."""
     neat = neat_constants(**changes)
     reproduction = Reproduction(INPUTS, OUTPUTS, neat)
     species_set, innovations = SpeciesSet(), reproduction.first_innovations()
@@ -140,7 +140,7 @@ BUSY = {
     "survival_threshold": 0.6,
     "max_stagnation": 3,
 }
-"""All kinds of mutation and parents, often."""
+"""Constants with all kinds of mutation and parents, often."""
 
 
 SWITCHES = [
@@ -157,9 +157,9 @@ SWITCHES = [
 def test_populations_are_those_of_a_plain_twin(
     weight_mutation: str | float, size: int, threshold: float, switches: dict[str, object]
 ) -> None:
-    """Every bit of every gene, and how many random and innovation numbers were drawn.
+    """Compare every bit of every gene, and the counts of random and innovation numbers.
 
-    Of few genomes in many species, and of many in few.
+    Populations are few genomes in many species, and many genomes in few species.
     """
     constants = BUSY | {"weight_mutation": weight_mutation, "compatibility_threshold": threshold}
     neat = neat_constants(**constants | switches)
@@ -194,7 +194,7 @@ def genes(population: Population) -> list[object]:
 
 
 def plain_genes(population: list[PlainGenome]) -> list[object]:
-    """As arrays would list them."""
+    """Return the genes in the order of the arrays."""
     return [
         (
             sorted(genome.biases.items()),

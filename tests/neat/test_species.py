@@ -1,4 +1,4 @@
-"""Distance, speciation, stagnation and sharing: by hand, and against a plain twin."""
+"""Distance, speciation, stagnation and sharing, computed by hand and by a plain twin."""
 
 from dataclasses import replace
 
@@ -37,7 +37,7 @@ def test_distance_by_hand() -> None:
 
 
 def test_distance_of_all_genes_by_hand() -> None:
-    """That of neat-python 0.92: nodes 3 and 4 match, 5 and 6 do not; the flags of gene 2 differ."""
+    """neat-python 0.92: nodes 3 and 4 match, 5 and 6 do not; the flags of gene 2 differ."""
     one = genome_of(ONE.connections.tolist(), hidden=[5])
     other = genome_of(OTHER.connections.tolist(), hidden=[6, 7])
     one.nodes["bias"], other.nodes["bias"] = [1.0, 0.0, 5.0], [0.5, 3.0, 0.0, 0.0]
@@ -64,7 +64,7 @@ def test_distance_is_symmetric_and_zero_to_itself(
 
 
 def plain_distance(one: Genome, other: Genome, neat: Neat) -> float:
-    """Algorithm 3, line 3, gene by gene."""
+    """Compute the distance gene by gene (Algorithm 3, line 3)."""
     if neat.distance == "all_genes":
         return plain_distance_of_all_genes(one, other, neat)
     ours, theirs = (
@@ -80,7 +80,7 @@ def plain_distance(one: Genome, other: Genome, neat: Neat) -> float:
 
 
 def plain_distance_of_all_genes(one: Genome, other: Genome, neat: Neat) -> float:
-    """That of neat-python 0.92."""
+    """Compute the distance of neat-python 0.92."""
     total = 0.0
     for ours, theirs in (
         [{int(id): (float(bias), 0.0) for id, bias in each.nodes} for each in (one, other)],
@@ -100,7 +100,7 @@ def plain_distance_of_all_genes(one: Genome, other: Genome, neat: Neat) -> float
 
 
 def plain_species(genomes: list[Genome], founders: list[Genome], neat: Neat) -> list[int]:
-    """The species of each genome, one after the other; new founders join the list."""
+    """Assign genomes one after the other; new founders join the list."""
     homes, left = [], list(genomes)
     if neat.representative == "nearest":
         for place, last in enumerate(founders):
@@ -150,14 +150,14 @@ def test_speciation_is_that_of_a_plain_twin(
 
 
 def weighted(weights: list[float], fitness: list[float] | None = None) -> Population:
-    """Genomes of a single connection with these weights."""
+    """Return genomes of a single connection with these weights."""
     genomes = [genome_of([(0, 0, 3, weight, True)], id=i) for i, weight in enumerate(weights)]
     population = Population.of(genomes)
     return replace(population, fitness=np.array(fitness or [0.0] * len(weights)))
 
 
 def members_of(species_set: SpeciesSet) -> list[tuple[int, list[int]]]:
-    """Each species' id and its members' places."""
+    """Return each species' id and its members' places."""
     return [(species.id, species.members.tolist()) for species in species_set.species]
 
 

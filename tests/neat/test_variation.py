@@ -1,4 +1,4 @@
-"""Crossover and mutation: hand-made genomes, and properties of grown ones."""
+"""Crossover and mutation of hand-made genomes, and properties of evolved genomes."""
 
 import itertools
 
@@ -83,7 +83,7 @@ def test_genes_of_a_child_come_from_its_parents(
 
 
 def test_crossover_by_hand() -> None:
-    """Matching genes mix, the fitter parent's others stay, the weaker parent's others go."""
+    """Matching genes mix; other genes of the fitter parent stay, those of the weaker are lost."""
     fitter = genome_of(
         [(0, 0, 3, 1.0, True), (1, 1, 3, 2.0, True), (4, 2, 3, 3.0, True)], id=1, fitness=2.0
     )
@@ -120,7 +120,7 @@ def test_of_equally_fit_parents_the_smaller_gives_the_structure() -> None:
 def test_how_often_a_gene_is_disabled_in_the_child(
     rule: str, of_one: float, of_both: float, fitter_is_disabled: bool
 ) -> None:
-    """Where one parent's is, where both parents' are, and never where neither's is."""
+    """Count genes disabled in one parent, in both, and in neither."""
     neat = neat_constants(crossover_enabled=rule, disable_rate=0.75, enabled_mutate_rate=0.0)
 
     def disabled(*enabled: bool) -> float:
@@ -171,7 +171,7 @@ def test_more_mutations_than_there_is_room_for_are_refused() -> None:
 
 
 def split(genome: Genome, seed: int = 0, *, draws_bias: bool = False) -> tuple[Genes, Genes]:
-    """Nodes and connections of a genome with a node more."""
+    """Return nodes and connections of a genome with one more node."""
     innovations = Innovations.begin(6, 5, 1)
     bias = Rates.of(NEAT).bias
     return add_node(
@@ -204,7 +204,7 @@ def test_the_bias_of_a_new_node_may_be_drawn() -> None:
 
 
 def test_removal() -> None:
-    """A node goes with all that touches it; from nothing nothing is removed."""
+    """A removed node takes its connections along; a genome without hidden nodes stays."""
     genome = genome_of(
         [(0, 0, 5, 1.0, True), (1, 5, 3, 2.0, False), (2, 1, 4, 3.0, True)], hidden=[5]
     )
@@ -251,7 +251,7 @@ def test_reaches() -> None:
 @given(populations)
 @settings(max_examples=30, deadline=None)
 def test_reaching_is_that_of_a_plain_twin(grown: tuple[list[Genome], Innovations]) -> None:
-    """Between all nodes, inputs too, of each genome."""
+    """Compare all pairs of nodes, inputs included, of each genome."""
     for genome in grown[0]:
         plain = PlainGenome({}, {n: Connection(s, t, w) for n, s, t, w, _ in genome.connections})
         every = [*range(INPUTS), *genome.nodes["id"].tolist()]

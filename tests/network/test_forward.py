@@ -10,7 +10,7 @@ from tests.helpers.networks import outputs_of, random_networks
 
 
 def plain_outputs(networks: Networks, index: int, observation: np.ndarray) -> list[float]:
-    """Node by node, connection by connection, with Python's own floats."""
+    """Compute the forward pass node by node with Python's floats."""
     hidden = {
         "tanh": math.tanh,
         "relu": lambda total: max(total, 0.0),

@@ -13,14 +13,14 @@ from tests.helpers.networks import one_node
 
 
 def learning(rule: str, threshold: np.ndarray, alpha: float = 0.1) -> Learning:
-    """With a rate of 1, so that a reward is what opens the gate."""
+    """Return learning with a gain of 1, so that the gate equals the reward."""
     return Learning(compiled(rule), 1.0, alpha, 10.0, threshold)
 
 
 def learn_steps(
     rule: str, steps: list[tuple[float, float, float]], w: float, alpha: float = 0.5
 ) -> tuple[float, float]:
-    """Weight and threshold of one connection after steps of (x, y, gate)."""
+    """Return weight and threshold of one connection after steps of (x, y, gate)."""
     weight, threshold = np.array([w]), np.zeros(1)
     for x, y, gate in steps:
         learn(one_node(weight), 0, learning(rule, threshold, alpha), gate, np.array([x, y]))
@@ -102,7 +102,7 @@ def test_kernel_equals_its_plain_twin(
 def plain(
     rule: str, x: float, y: float, w: float, gate: float, theta: float
 ) -> tuple[float, float]:
-    """The specification, word for word."""
+    """Apply the rules exactly as the specification writes them."""
     if rule == "none":
         return w, theta
     change = {"hebb": x * y, "oja": y * (x - y * w), "bcm": y * (y - theta) * x}[rule]

@@ -1,4 +1,4 @@
-"""Rules of one's own: what is refused, and that only what stands there now is ever played."""
+"""Added rules: which are refused, and that only a rule's current version is played."""
 
 import importlib
 import sys
@@ -17,7 +17,7 @@ from tests.helpers.networks import one_node
 
 @pytest.fixture(autouse=True)
 def _rules() -> Iterator[None]:
-    """What a test adds is gone after it."""
+    """Remove the rules that a test has added."""
     before = dict(RULES)
     yield
     RULES.clear()
@@ -33,7 +33,7 @@ def leaky(x: float, y: float, w: float, theta: float) -> float:
 
 
 def learned(name: str) -> float:
-    """What one step with x = 1, y = 0.5 and gate 1 makes of a weight of 2."""
+    """Return a weight of 2 after one step with x = 1, y = 0.5 and gate 1."""
     weight = np.array([2.0])
     learning = Learning(compiled(name), 1.0, 0.1, 10.0, np.zeros(1))
     learn(one_node(weight), 0, learning, 1.0, np.array([1.0, 0.5]))

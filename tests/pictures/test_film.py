@@ -54,7 +54,7 @@ def test_mujoco_is_drawn_without_a_display(player_of: MakePlayer) -> None:
 
 
 class Undrawn(gymnasium.Env[np.ndarray, int]):
-    """A world that nobody can draw."""
+    """An environment that cannot be drawn."""
 
     observation_space = gymnasium.spaces.Box(-1, 1, (4,))
     action_space = gymnasium.spaces.Discrete(2)
@@ -74,7 +74,7 @@ class Undrawn(gymnasium.Env[np.ndarray, int]):
 
 
 class Blind(Undrawn):
-    """It does not know what drawing is."""
+    """The environment does not support drawing."""
 
     metadata = {}  # noqa: RUF012
 
@@ -109,7 +109,7 @@ def test_a_window_needs_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_only_without_a_display_is_drawing_kept_off_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Else a window that is asked for beside a film would not show."""
+    """Otherwise a window that is requested beside a film would not show."""
     monkeypatch.setattr(films.sys, "platform", "linux")
     monkeypatch.delenv("SDL_VIDEODRIVER", raising=False)
     monkeypatch.setenv("MUJOCO_GL", "osmesa")

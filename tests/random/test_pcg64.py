@@ -48,7 +48,7 @@ def test_a_long_stream() -> None:
 
 @pytest.mark.parametrize("size", [0, 1, 2, 7, 1000])
 def test_normals_are_those_of_the_polar_method(size: int) -> None:
-    """Against a plain twin on numpy's own stream; both have used it equally far."""
+    """Compare with a plain twin on numpy's stream; both use equally many numbers."""
     state = np.empty(4, dtype=np.uint64)
     seed_pcg64(np.uint64(3), state)
     numpy_random = np.random.default_rng(3)

@@ -1,4 +1,4 @@
-"""Streams of a run: numpy's own, disjoint, and the same for every method."""
+"""Streams of a run: equal to numpy's, disjoint, and the same for every method."""
 
 import numpy as np
 

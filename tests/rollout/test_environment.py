@@ -1,4 +1,4 @@
-"""The boundary to environments that are not ours: what passes, what is refused in one line."""
+"""The boundary to environments: values that pass, and values refused in one line."""
 
 import sys
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ STEP = {"observation": np.zeros(2), "reward": 1.0, "terminated": False, "truncat
 
 
 class Strange(gymnasium.Env[Any, Any]):
-    """Does what it is told to do."""
+    """Environment that returns or raises what a test sets."""
 
     action_space: Any = Discrete(2)
 
@@ -218,7 +218,7 @@ def test_network_size_is_that_of_the_spaces() -> None:
 
 @pytest.mark.slow
 def test_a_worker_says_why_it_has_no_environment() -> None:
-    """As where only the main script's `if __name__ == "__main__"` registers it."""
+    """A worker lacks an environment that only the main script registers."""
     register(space=Box(-1.0, 1.0, (2,), np.float64))
     networks, seeds = (
         random_networks(np.random.default_rng(0), 2, 2, 2),

@@ -1,4 +1,4 @@
-"""The fast engine against the reference engine: the same bits, whatever plays and learns."""
+"""The fast engine gives the bits of the reference engine for all networks and rules."""
 
 import threading
 from collections.abc import Iterator
@@ -37,7 +37,7 @@ MAX_STEPS = {
     "bipedal_walker": 30,
     "bipedal_walker_hardcore": 20,
 }
-"""Limits that some episodes reach and that keep the reference engine's part short."""
+"""Step limits that some episodes reach and that keep the reference engine's time short."""
 
 
 def task_of(name: str) -> Task:
@@ -69,7 +69,7 @@ def assert_same(actual: Rollouts, expected: Rollouts) -> None:
 
 
 def evolved_networks(name: str, population: int) -> Networks:
-    """Of genomes that ten generations have grown and BCM has taught; many genes are disabled."""
+    """Return networks evolved for ten generations with BCM; many genes are disabled."""
     changes = {
         f"tasks.{name}.max_steps": MAX_STEPS[name],
         "neat.add_node_rate": 0.6,
@@ -133,7 +133,7 @@ def test_equal_to_the_reference_engine(name: str) -> None:
 
 
 def on_path(task: Task, path: str, slots: int, workers: int = 1) -> FastEngine:
-    """An engine with the physics on a path, in groups of so many slots."""
+    """Return an engine with a path of the physics and a number of slots."""
     library = require_core()
     if path not in box2d.available_paths(library):
         pytest.skip(f"this machine has no {path}")
@@ -193,7 +193,7 @@ HOVERING = np.array(
 
 
 def heuristic(name: str) -> Networks:
-    """A linear controller that lasts to the task's own limit: it balances, hovers or kneels."""
+    """Return a linear controller that reaches the task's step limit: balances, hovers, kneels."""
     weight, bias = {
         "cartpole": (np.array([[0, 0, 0, 0], [0.1, 0.3, 1, 0.3]]), [0.0] * 2),
         "hopper": (STANDING, [0.0] * 3),
@@ -219,7 +219,7 @@ def heuristic(name: str) -> Networks:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MAX_STEPS)
 def test_equal_to_the_end_of_whole_episodes(name: str) -> None:
-    """Up to the paper's own limit of steps, with each rule."""
+    """Episodes up to the paper's step limit, with each rule."""
     task = CONFIGURATION.tasks[name]
     reference, network, seeds = ReferenceEngine(task), heuristic(name), seeds_of(1, 2)
     for rule in WITH_NONE:

@@ -1,4 +1,4 @@
-"""How a batch is cut into pieces for many workers, and what becomes of them on a signal."""
+"""Pieces of a batch for many workers, and the workers' end on a signal."""
 
 import multiprocessing
 import os

@@ -1,4 +1,4 @@
-"""The reference engine: Gymnasium's own numbers, one episode at a time, in any order."""
+"""The reference engine: Gymnasium's numbers, one episode at a time, in any order."""
 
 import gymnasium
 import numpy as np
@@ -33,7 +33,7 @@ def seeds_of(population: int, episodes: int = 1) -> npt.NDArray[np.uint64]:
 
 @pytest.mark.parametrize("name", TASKS)
 def test_returns_and_steps_are_gymnasiums(name: str) -> None:
-    """Without plasticity an episode is Gymnasium's own loop around the forward pass."""
+    """Without plasticity an episode is Gymnasium's loop around the forward pass."""
     task = task_of(name)
     inputs, outputs = network_size(task)
     networks = random_networks(np.random.default_rng(0), 4, inputs, outputs)
@@ -57,7 +57,7 @@ def test_returns_and_steps_are_gymnasiums(name: str) -> None:
 
 @pytest.mark.parametrize("name", [*TASKS, "bipedal_walker_hardcore"])
 def test_an_episode_is_a_function_of_seed_and_network(name: str) -> None:
-    """Shuffling which network plays when changes no episode."""
+    """The order of networks does not change any episode."""
     task = task_of(name)
     inputs, outputs = network_size(task)
     networks = random_networks(np.random.default_rng(1), 6, inputs, outputs)

@@ -1,4 +1,4 @@
-"""A budget's configuration: base, file and overrides; what is refused, and where it stands."""
+"""A budget's configuration: base, file and overrides; refused values and their places."""
 
 from pathlib import Path
 
@@ -124,7 +124,7 @@ def test_an_override_that_cannot_be_read(override, expected):
 
 @pytest.fixture
 def config(tmp_path, monkeypatch) -> Path:
-    """A copy of the configuration's folder, to break."""
+    """Copy the configuration's folder, so that a test can break it."""
     folder = tmp_path / "config"
     folder.mkdir()
     for path in CONFIG.glob("*.yaml"):
@@ -168,7 +168,7 @@ def test_a_constant_missing_from_the_base(config):
 
 
 def test_every_constant_of_the_base_has_its_source():
-    """A comment on each line that gives a value."""
+    """Check that each line with a value has a comment."""
     for line in (CONFIG / "base.yaml").read_text().splitlines():
         key, _, value = line.partition(": ")
         if value.strip() and not key.startswith("#") and "hardcore" not in key:

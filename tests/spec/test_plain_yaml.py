@@ -1,4 +1,4 @@
-"""YAML from anyone: plain values, bounded."""
+"""YAML from untrusted files: plain values in a bounded amount."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Readings: named constants, labels, and what is refused."""
+"""Readings: named constants, labels and refused input."""
 
 import json
 from pathlib import Path
@@ -129,7 +129,7 @@ def test_the_schema_refuses_what_the_types_refuse(constants: dict[str, object]) 
 
 
 def test_a_constant_that_was_added_later_is_left_out_at_its_old_value() -> None:
-    """So the specifications of older records, which lack it, keep their digests."""
+    """Specifications of older records, which lack the constant, then keep their digests."""
     old = [
         f"{section}.{key}={value}"
         for section, constants in ADDED_LATER.items()

@@ -1,4 +1,4 @@
-"""A run's specification: what the configuration makes of it, its digests, what is refused."""
+"""A run's specification: made from the configuration, its digests, refused values."""
 
 import gymnasium
 import pytest

@@ -1,4 +1,4 @@
-"""config/schema.json, by which editors check what is written."""
+"""The JSON schemas by which editors check configuration files."""
 
 import json
 

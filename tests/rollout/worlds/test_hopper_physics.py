@@ -1,4 +1,4 @@
-"""Our own steps of the hopper against MuJoCo's: equal, and noticed where they are not."""
+"""Our own steps of the hopper against MuJoCo's: equal, and differences are detected."""
 
 import platform
 
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(
 def count_equal_steps(
     one: hopper.World, other: hopper.World, policy: Array, noise: float, steps: int, seed: int
 ) -> int:
-    """Let a noisy linear policy play two hoppers alike: steps until the first unequal bit.
+    """Play two hoppers by one noisy linear policy; return the steps to the first unequal bit.
 
     An episode goes on for a while when the hopper has fallen, so that it also lies and folds up.
     """
@@ -118,7 +118,7 @@ FAR_OFF = {
 
 
 def wrong(hopper_: Struct, name: str, index: tuple[int, ...]) -> Struct:
-    """A hopper with one other number."""
+    """Return a hopper with one changed number."""
     changed = hopper_.copy()
     values = np.atleast_1d(changed[name]).copy()
     values[index] = 0.1 if values[index] == 0.0 else FAR_OFF.get(name, 0.9) * values[index]

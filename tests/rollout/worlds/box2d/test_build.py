@@ -1,4 +1,4 @@
-"""The core as a file: refused when stale, missed without a compiler, clean under sanitizers."""
+"""The core as a file: refused if stale, absent without a compiler, clean under sanitizers."""
 
 import ctypes
 import shutil
@@ -15,7 +15,7 @@ NOTHING: list[Path] = []
 
 @pytest.fixture
 def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty folder in which the library is to be built."""
+    """Return an empty folder for the library."""
     folder = tmp_path / "library"
     folder.mkdir()
     monkeypatch.setattr(build, "LIBRARY", folder / core.LIBRARY.name)
@@ -23,7 +23,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def notice(capsys: pytest.CaptureFixture[str]) -> str:
-    """The one line that building prints."""
+    """Build; return the one line that is printed."""
     build.main()
     (line,) = capsys.readouterr().out.splitlines()
     return line

@@ -1,4 +1,4 @@
-"""The core against Gymnasium, new for each episode; one simulation of ours plays all of them."""
+"""The core against a new Gymnasium environment per episode; one simulation plays them all."""
 
 import ctypes
 from collections.abc import Callable
@@ -22,7 +22,7 @@ Policy = Callable[[Array], Array]
 
 
 def heuristic_policy(peer: gymnasium.Env[Any, Any]) -> Policy:
-    """Gymnasium's own demonstration: it lands, or walks to the end."""
+    """Gymnasium's demonstration policy: it lands, or walks to the end."""
     if isinstance(peer.action_space, gymnasium.spaces.Discrete):
         return lambda observation: np.eye(4)[heuristic(peer.unwrapped, observation)]
     walker = BipedalWalkerHeuristics()
@@ -42,7 +42,7 @@ def policies(task: str, random: np.random.Generator) -> dict[str, Policy]:
 
 
 class Alone(Slot):
-    """The one slot of a group of the core."""
+    """Group of the core with one slot."""
 
     def __init__(self, library: ctypes.CDLL, task: str) -> None:
         self._simulation = environment.Simulation(library, task, chosen_path(library), 1)
@@ -93,7 +93,7 @@ def hover(observation: Array) -> Array:
 
 
 def stand(_: Array) -> Array:
-    """Legs that stay apart."""
+    """Policy whose legs stay apart."""
     return np.array([0.7, 0.1, -0.4, -0.2])
 
 
@@ -157,7 +157,7 @@ def test_a_failed_assertion_of_box2d_ends_its_own_episode_alone(
 
 @pytest.mark.parametrize("task", [LANDER, WALKER])
 def test_the_physics_alone_goes_where_steps_go(library: ctypes.CDLL, task: str) -> None:
-    """What benchmarks time plays the very trajectory."""
+    """The timed physics plays exactly the recorded trajectory."""
     slot = Alone(library, task)
     outputs = np.random.default_rng(0).uniform(-1, 1, (41, 4))
     actions = outputs.argmax(axis=1)[:, None] if task == LANDER else outputs
