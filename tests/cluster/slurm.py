@@ -45,13 +45,13 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 
 
 def missing() -> list[str]:
-    """The programs of Slurm and munge that this machine lacks."""
+    """Return the programs of Slurm and munge that this machine lacks."""
     return [program for program in PROGRAMS if shutil.which(program, path=PATH) is None]
 
 
 @contextmanager
 def slurm() -> Iterator[dict[str, str]]:
-    """While the context lasts, a Slurm runs: yields the environment that its commands need."""
+    """Run a Slurm during the context; yields the environment that its commands need."""
     with tempfile.TemporaryDirectory(prefix="slurm-") as name, ExitStack() as stack:
         folder = Path(name)
         _configure(folder)
@@ -133,7 +133,7 @@ def _wait(folder: Path, ready: Callable[[], bool]) -> None:
 
 
 def _cancel_all(environment: dict[str, str]) -> None:
-    """End all jobs; a daemon that goes leaves its jobs running."""
+    """End all jobs, because an ended daemon leaves its jobs running."""
 
     def jobs() -> str:
         return subprocess.run(

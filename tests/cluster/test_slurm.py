@@ -1,4 +1,4 @@
-"""The campaign on a real Slurm: the same bits as here, and nothing lost whatever ends a job.
+"""The campaign on a real Slurm: the same bits as here, and no loss when a job is ended.
 
 A part of it in every run; the whole smoke budget and a walltime, some minutes on two idle cores,
 by `NEOL_CLUSTER=whole pytest tests/cluster`.
@@ -47,7 +47,7 @@ LONG = [
     f"budget.generations={2000 if WHOLE else 200}",
     "tasks.lunar_lander.max_steps=1000",
 ]
-"""Changes that make of the smoke budget one run, long enough to be ended in the middle."""
+"""Changes that reduce the smoke budget to one run, long enough to be ended in the middle."""
 
 OFTEN = """
 import sys
@@ -56,7 +56,7 @@ if "--profile" in sys.argv:
     always = property(lambda self: 2, lambda self, seconds: None)
     RemoteExecutor.next_seconds_between_status_checks = always
 """
-"""Lets snakemake ask every two seconds: else it waits ten more each time that no job has ended."""
+"""Makes snakemake ask every two seconds; by default it waits ten more if no job has ended."""
 
 SMOKE = select("smoke")
 Environment = dict[str, str]

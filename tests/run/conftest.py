@@ -1,4 +1,4 @@
-"""A record of two tiny runs, made once, and its file."""
+"""A record of two tiny runs, made once for all tests, and its file."""
 
 from pathlib import Path
 

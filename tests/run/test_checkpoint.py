@@ -1,4 +1,4 @@
-"""Checkpoints: exact, whole or refused."""
+"""Checkpoints: exact continuation, and refusal of damaged files."""
 
 import json
 from pathlib import Path

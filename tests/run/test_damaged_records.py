@@ -1,4 +1,4 @@
-"""Records that are damaged, of other runs or none: refused in one line."""
+"""Damaged records, records of other runs and foreign files are refused in one line."""
 
 import hashlib
 import re
@@ -42,7 +42,7 @@ def test_damaged_anywhere_is_refused_or_the_same(
     path = tmp_path_factory.getbasetemp() / "damaged.parquet"
     path.write_bytes(data.draw(flipped(content)))
     read = survive(lambda: read_record(path), says="damaged.parquet")
-    # A byte may mean nothing, such as one of the writer's name.
+    # Some bytes have no effect, such as those of the writer's name.
     assert read is None or same(read, record)
 
 

@@ -1,4 +1,4 @@
-"""Known digests of short runs: what a seed gives today it gives tomorrow, with either engine.
+"""Known digests of short runs: a seed gives the same run in every version and engine.
 
 They hold where sin, cos, tanh and the physics libraries compute the same last bits: on x86-64
 Linux with glibc. A change that alters them on purpose alters every result: renew them with
@@ -40,7 +40,7 @@ CASES = [
 SAME_LAST_BITS = platform.machine() == "x86_64" and platform.libc_ver()[0] == "glibc"
 
 BUSY = ["neat.add_node_rate=0.5", "neat.compatibility_threshold=1.0"]
-"""Much going on in NEAT: hidden nodes, disabled connections, several species."""
+"""Constants that give hidden nodes, disabled connections and several species."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Environments that misbehave: said, or counted, and the run goes on."""
+"""Misbehaving environments end the run in one line or count as failed evaluations."""
 
 from pathlib import Path
 

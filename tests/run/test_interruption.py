@@ -1,4 +1,4 @@
-"""Kills at any moment, signals, two at once: nothing is lost or half-written."""
+"""Kills at any moment, signals, two runs at once: no file is lost or half-written."""
 
 import os
 import random
@@ -92,7 +92,7 @@ MANY = BLOCK + "--generations 20 --seed 0-2 --checkpoint-every 4"
 
 
 def log_generations() -> None:
-    """Write a line for each generation that is computed."""
+    """Log a line for each computed generation."""
     step = Evolution.step
     log = os.open("generations", os.O_WRONLY | os.O_APPEND | os.O_CREAT)
 
@@ -105,13 +105,13 @@ def log_generations() -> None:
 
 
 def computed() -> list[tuple[int, int]]:
-    """Each generation that was computed, in order, as (seed, generation)."""
+    """Return the computed generations in order, as (seed, generation)."""
     lines = Path("generations").read_text().splitlines() if Path("generations").exists() else []
     return [(int(seed), int(generation)) for seed, generation in map(str.split, lines)]
 
 
 def repeated(before: list[tuple[int, int]], after: list[tuple[int, int]]) -> int:
-    """How many generations an attempt computed that those before had computed already."""
+    """Count the generations of an attempt that earlier attempts had computed already."""
     return len(set(before) & set(after))
 
 

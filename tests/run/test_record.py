@@ -1,4 +1,4 @@
-"""What a record holds: exact champions, the spread of episodes, runs of one cell."""
+"""Content of a record: exact champions, the spread of episodes, runs of one cell."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""Records as files: what is read is what was written, and documented."""
+"""Records as files: reading returns what was written; columns are documented."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Runs and blocks: whatever interrupts them, the record is that of an undisturbed run."""
+"""Runs and blocks: an interruption does not change the record."""
 
 import contextlib
 import dataclasses
@@ -144,7 +144,7 @@ def test_a_finished_block_is_left_as_it_is(tmp_path: Path) -> None:
 def test_a_finished_block_needs_no_place_to_write(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As in a read-only folder, which root may write in."""
+    """Simulate a read-only folder, since root may write in real ones."""
     output = tmp_path / "run.parquet"
     made = block(output)
     monkeypatch.setattr(Path, "mkdir", refuse)

@@ -1,4 +1,4 @@
-"""One process at a time works at an output, and others can see it."""
+"""Only one process at a time works on an output, and others can see that."""
 
 import fcntl
 import signal

@@ -1,4 +1,4 @@
-"""A fresh clone of this checkout, with what is compiled here, and snakemake in it."""
+"""A fresh clone of this checkout with its compiled files, and snakemake in it."""
 
 import os
 import re
@@ -19,13 +19,13 @@ from neol.study.campaign.shown import figures_folder, select
 
 SMOKE = ("--config", "budget=smoke")
 FIGURES = figures_folder(select("smoke"))
-"""Of that budget."""
+"""Records of that budget."""
 TARGETS = {"all", "tables", "figures", "claims", "beyond", "records", "total"}
 JOB_COUNT = re.compile(r"^([\w.-]+) +(\d+)$", re.MULTILINE)
 
 
 def fresh_clone(folder: Path) -> Path:
-    """HEAD, cloned, and over it whatever is not committed yet."""
+    """Clone HEAD and add all uncommitted changes."""
     subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", ROOT, folder], check=True)
     listed = ["git", "ls-files", "-z", "--modified", "--others", "--exclude-standard"]
     changed = subprocess.run(listed, cwd=ROOT, check=True, capture_output=True, text=True).stdout
@@ -42,7 +42,7 @@ def fresh_clone(folder: Path) -> Path:
 
 
 def _share_kernels(clone: Path) -> None:
-    """Let a clone use the kernels compiled here, which would come out the same.
+    """Let a clone use the kernels compiled here, which would be the same.
 
     Numba's cache has a folder for each folder of sources, and asks for the sources' times, as git
     does, which must not take them for changed.
@@ -79,7 +79,7 @@ def snakemake(clone: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def planned(clone: Path, *arguments: str) -> dict[str, int]:
-    """How many jobs of each rule a dry run plans; rules that only gather others left out."""
+    """Count the jobs of each rule that a dry run plans, without rules that only collect others."""
     result = snakemake(clone, "--dry-run", *arguments)
     assert result.returncode == 0, result.stderr
     counts = {rule: int(count) for rule, count in JOB_COUNT.findall(result.stdout)}

@@ -1,8 +1,8 @@
 """Every code block of the README and the documentation does what it says.
 
-They run page by page, in order, in a clone whose `.venv` is the environment of these tests. What a
-page leaves is removed before the next one, but for records and figures.
-A block with a title is a file that the blocks after it use. What would take hours is planned only.
+They run page by page, in order, in a clone whose `.venv` is the environment of these tests. Files
+of a page are removed before the next one, except records and figures. A block with a title is a
+file that later blocks use. Commands that would take hours are only planned.
 """
 
 import os
@@ -24,12 +24,12 @@ INFO = re.compile(r'(?P<language>bash|python|yaml|text)(?: title="(?P<title>[\w.
 CHANGES_CODE = {"change-selection.md", "add-a-table-or-figure.md", "add-a-claim.md"}
 """Pages that tests/test_how_to.py follows, as their commands need the changes that they show."""
 PLANNED_ONLY = {
-    # sets the environment up anew, tests itself, waits for a person, measures for ten minutes
+    # these set up the environment, run all tests, wait for a person, or measure for long
     r"\bmake (environment|check|test|docs|lab|search|bench|lock)\b": r"make --dry-run \1",
     r"^snakemake (?=.*budget=(?:desk|paper))(?!.*--dry-run)": "snakemake --dry-run ",
     r"--profile profiles/slurm": "",
 }
-"""What a command of the documents becomes here."""
+"""Replacements in commands of the documents."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Block:
 
     @property
     def command(self) -> list[str]:
-        """What runs it."""
+        """Command that runs the block."""
         if self.language == "python":
             return [sys.executable, "-c", self.code]
         code = self.code.replace("\\\n", " ")
@@ -52,7 +52,7 @@ class Block:
 
 
 def blocks(page: Path) -> list[Block]:
-    """A page's code blocks; each says its language."""
+    """Return a page's code blocks; each names its language."""
     found = []
     for fence in FENCE.finditer(page.read_text(encoding="utf-8")):
         info = INFO.match(fence["info"].strip())
@@ -63,7 +63,7 @@ def blocks(page: Path) -> list[Block]:
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A fresh clone that takes this environment for its own.
+    """A fresh clone that uses this environment as its own.
 
     Of what Table 1 shows, one task's records are missing; test_smoke makes them all.
     """

@@ -1,4 +1,4 @@
-"""Workflows that are killed: finished seeds stay, and the same command goes on from there."""
+"""Killed workflows: finished seeds are kept, and the same command continues."""
 
 import os
 import signal
@@ -60,7 +60,7 @@ def undisturbed(spec: RunSpec, tmp_path_factory: pytest.TempPathFactory) -> obje
 
 
 def start(clone: Path) -> psutil.Process:
-    """The workflow in a process group of its own, when its job has finished the first seed."""
+    """Start the workflow in its own process group; return when its job has finished one seed."""
     workflow = psutil.Popen(
         [sys.executable, "-m", "snakemake", *COMMAND],
         cwd=clone,
@@ -77,7 +77,7 @@ def start(clone: Path) -> psutil.Process:
 
 
 def kept(clone: Path, spec: RunSpec) -> SeedInfo:
-    """What is kept of the first seed; the second's checkpoint gets a cost to know it by."""
+    """Return the first seed's results; the second's checkpoint is marked by its cost."""
     partial = partial_folder(clone / RECORD)
     path = checkpoint_path(partial, 1)
     evolution, spent = checkpoint.read_checkpoint(path, spec.model_copy(update={"seed": 1}))
@@ -89,7 +89,7 @@ def kept(clone: Path, spec: RunSpec) -> SeedInfo:
 
 
 def assert_finishes(clone: Path, first: SeedInfo, undisturbed: object) -> None:
-    """The same command goes on: no seed that was finished and no checkpoint is made again."""
+    """Check that the same command continues and repeats no finished seed or checkpoint."""
     done = snakemake(clone, *COMMAND)
     assert done.returncode == 0, done.stderr
     record = read_record(clone / RECORD)
@@ -131,7 +131,7 @@ if "run" in sys.argv:
 
 
 def test_the_job_killed_after_its_last_write(clone: Path, undisturbed: object) -> None:
-    """Snakemake removes its record, which comes again from those of its seeds."""
+    """Snakemake removes its record, which is made again from those of its seeds."""
     (clone / "sitecustomize.py").write_text(LINGERS)
     (clone / "linger").touch()
     workflow = start(clone)
@@ -152,7 +152,7 @@ def test_the_job_killed_after_its_last_write(clone: Path, undisturbed: object) -
 
 
 def test_only_the_workflow_killed(clone: Path, undisturbed: object) -> None:
-    """Its job lives on: the next workflow's waits for it."""
+    """Its job continues, and the job of the next workflow waits for it."""
     workflow = start(clone)
     (job,) = (each for each in workflow.children(recursive=True) if "-m neol run" in said(each))
     job.suspend()
@@ -176,7 +176,7 @@ def test_only_the_workflow_killed(clone: Path, undisturbed: object) -> None:
 
 
 def text(log: Path) -> str:
-    """What a log says, which Snakemake removes before its job starts anew."""
+    """Return a log's content; Snakemake removes the log before its job starts again."""
     try:
         return log.read_text()
     except FileNotFoundError:
@@ -184,6 +184,6 @@ def text(log: Path) -> str:
 
 
 def said(process: psutil.Process) -> str:
-    """A process's command, of which bash's is no job."""
+    """Return a process's command; that of bash is not a job."""
     command = process.cmdline()
     return "" if command[0].endswith("bash") else " ".join(command)

@@ -1,4 +1,4 @@
-"""Notebooks run in the Python of the workflow, whatever kernels a user has."""
+"""Notebooks run in the Python of the workflow, not in a user's kernels."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""What the workflow plans and what it refuses, before anything has run."""
+"""The workflow's plans and refusals, before anything has run."""
 
 import os
 import random
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """As after `git clone`: no .snakemake/, files of any age."""
+    """Return a clone as after `git clone`: no .snakemake/, files of any age."""
     clone = fresh_clone(tmp_path_factory.mktemp("plan") / "neol")
     chance = random.Random(0)
     for path in clone.rglob("*"):
@@ -33,7 +33,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def missing(clone: Path, records: Iterable[Path]) -> int:
-    """How many of some records are not shipped."""
+    """Count the records that are not shipped."""
     return sum(not (clone / record).exists() for record in records)
 
 
@@ -62,7 +62,7 @@ NOTEBOOKS = {
 
 @contextmanager
 def edited(path: Path, old: str, new: str) -> Iterator[None]:
-    """Other text in a file for a while."""
+    """Change a file's text for a while."""
     before = path.read_text()
     assert old in before
     path.write_text(before.replace(old, new))
@@ -106,7 +106,7 @@ def test_a_record_that_is_there_is_no_error_to_ask_for(clone: Path) -> None:
 
 
 def test_a_dry_run_changes_nothing(clone: Path) -> None:
-    """Not even what a campaign still needs that is under way: the seeds of a complete record."""
+    """A running campaign's files stay too: the seeds of a complete record."""
     record = clone / RESULTS / blocks(select("demo"))[0].record
     seed = finished_path(partial_folder(record), 0)
     seed.parent.mkdir()
@@ -120,7 +120,7 @@ def test_a_dry_run_changes_nothing(clone: Path) -> None:
 
 
 def tree(folder: Path) -> list[tuple[Path, int]]:
-    """Every file and folder below, and when it was changed."""
+    """Return every file and folder below, with its time of change."""
     return [(path, path.stat().st_mtime_ns) for path in sorted(folder.rglob("*"))]
 
 

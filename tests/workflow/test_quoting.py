@@ -1,4 +1,4 @@
-"""What a shell is given is quoted: a path or a name is never a command."""
+"""Arguments of shells are quoted: a path or a name is never a command."""
 
 import os
 import re
@@ -12,7 +12,7 @@ from neol.spec.configuration import ROOT
 from tests.workflow.clone import SMOKE, fresh_clone
 
 HOSTILE = 'it\'s $(touch PWNED) "here"'
-"""A folder's name that says something to a shell and to make."""
+"""Name of a folder with characters that shells and make interpret."""
 RULES = [ROOT / "Snakefile", *sorted((ROOT / "rules").glob("*.smk"))]
 SHELL = re.compile(r'^ +shell:\n((?: +".*"\n)+)', re.MULTILINE)
 QUOTED = re.compile(r"\{(?:(?:input|output|params|log)(?:\.\w+)?:q|params\.arguments|threads)\}")

@@ -1,4 +1,4 @@
-"""The smallest budget in a fresh clone: to Table 1, and what is planned then; then everything.
+"""The smallest budget in a fresh clone: Table 1, the plan after it, then everything.
 
 Everything has its page, and its paper where there is LaTeX.
 """
@@ -42,7 +42,7 @@ RECORDS = {
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A fresh clone after `snakemake figures/smoke/table1.tex --config budget=smoke`."""
+    """Return a fresh clone after `snakemake figures/smoke/table1.tex --config budget=smoke`."""
     clone = fresh_clone(tmp_path_factory.mktemp("smoke") / "neol")
     result = snakemake(clone, TARGET, *SMOKE)
     assert result.returncode == 0, result.stdout + result.stderr
@@ -51,7 +51,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @contextmanager
 def aside(path: Path) -> Iterator[None]:
-    """Take a file or folder away for a while."""
+    """Move a file or folder away for a while."""
     kept = path.with_name(f"{path.name}.aside")
     shutil.move(path, kept)
     try:
@@ -93,7 +93,7 @@ def test_a_second_call_has_nothing_to_do(clone: Path) -> None:
 
 
 def test_records_of_any_age_are_used_as_they_are(clone: Path) -> None:
-    """As after `git clone` of shipped records: other times, no metadata, no figures."""
+    """Records as after `git clone`: other times, no metadata, no figures."""
     chance = random.Random(0)
     for path in RECORDS:
         age = chance.uniform(0, 1e8)
@@ -147,7 +147,7 @@ PICTURES = [each.name for each in EXHIBITS if "png" in each.group.suffixes]
 
 @pytest.fixture(scope="module")
 def whole(clone: Path) -> Path:
-    """The clone after `snakemake all`, and the paper.
+    """Return the clone after `snakemake all` and the paper.
 
     Of the sensitivity study, one task's trials are the workflow's.
     """
@@ -203,7 +203,7 @@ def test_the_paper_comes_out_the_same_again(whole: Path) -> None:
 
 @NEEDS_LATEX
 def test_latex_works_for_some_tasks_of_a_budget(tmp_path: Path) -> None:
-    """Their folder's name has a comma, which LaTeX takes for a list; and a failure is not kept."""
+    """The folder's name has a comma, which LaTeX reads as a list; a failed build leaves no file."""
     folder = tmp_path / "demo-cartpole,lunar_lander"
     folder.mkdir()
     text, numbers, output = (

@@ -1,4 +1,4 @@
-"""A results folder of a small budget, and what happens in it."""
+"""A results folder of a small budget, and changes of it."""
 
 from pathlib import Path
 
@@ -21,14 +21,14 @@ def folder(tmp_path: Path) -> Folder:
 
 
 def job(folder: Folder, task: str = "cartpole", part: str = "hebb", place: int = 0) -> Job:
-    """One of a row's jobs; the first has P = 6 and the lower rate."""
+    """Return one of a row's jobs; the first has P = 6 and the lower rate."""
     return [
         s.job for s in folder.job_statuses() if (s.job.spec.task.name, s.job.part) == (task, part)
     ][place]
 
 
 def finish(of: Job, seeds: int = 3, output: Path | None = None) -> None:
-    """Write a record of so many of a job's seeds."""
+    """Write a record of a number of a job's seeds."""
     made = [
         made_up.run(of.spec.model_copy(update={"seed": seed}), "smoke", 7.0, of.reading)
         for seed in list(of.seeds)[:seeds]
@@ -45,5 +45,5 @@ def log(of: Job, text: str) -> None:
 
 @pytest.fixture
 def unmeasured(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As if no task had ever been measured."""
+    """Pretend that no task was ever measured."""
     monkeypatch.setattr(outlook, "run_seconds", lambda _spec: None)

@@ -1,4 +1,4 @@
-"""What is declared of tables and figures is true of them."""
+"""Declarations of tables and figures agree with their files."""
 
 import re
 from collections import Counter

@@ -1,4 +1,4 @@
-"""What the rest of a campaign costs."""
+"""Estimated cost of the rest of a campaign."""
 
 import pytest
 

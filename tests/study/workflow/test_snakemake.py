@@ -1,4 +1,4 @@
-"""What the Snakefile is told: arguments, reasons, and locks that nobody holds."""
+"""Functions for the Snakefile: arguments, reasons, and stale locks."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""How far a campaign is: every state that a job may be in."""
+"""Status of a campaign: every state of a job."""
 
 import dataclasses
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ def test_a_record_is_done(folder: Folder) -> None:
 
 
 def test_a_record_that_must_be_made_anew_is_missing(folder: Folder) -> None:
-    """As `Job.reason` has it: not what it holds of the job's seeds counts."""
+    """The record does not count if its seeds differ from the job's, as in `Job.reason`."""
     fewer, more, other = (job(folder, place=place) for place in range(3))
     finish(fewer, seeds=2)
     finish(dataclasses.replace(more, seeds=range(4)), seeds=4)
@@ -43,7 +43,7 @@ def test_a_record_that_must_be_made_anew_is_missing(folder: Folder) -> None:
 
 
 def test_a_block_under_way(folder: Folder) -> None:
-    """Its first run is done, its second has a checkpoint, and its third has not begun."""
+    """The first run is done, the second has a checkpoint, the third has not begun."""
     this, seen = job(folder), []
 
     def look(seed: int, generation: object) -> None:
