@@ -1,5 +1,7 @@
 """The application: endings of commands, and options that commands share."""
 
+import errno
+import io
 import os
 import sys
 from pathlib import Path
@@ -28,6 +30,8 @@ EXIT_CODES = {
     143: "terminated",
 }
 DISAGREES = 3
+EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EAGAIN)
+"""Errors at a limit of files, memory or processes."""
 LONGEST_SUMMARY = 120
 """Largest length of a command's summary, in characters."""
 
@@ -65,12 +69,15 @@ class Commands(TyperGroup):
     def main(self, *args: Any, **extra: Any) -> NoReturn:
         """Run a command and exit."""
         extra["standalone_mode"] = False
+        if isinstance(sys.stdout, io.TextIOWrapper):
+            sys.stdout.reconfigure(errors="backslashreplace")  # for ± in ASCII
+        os.environ.pop("MPLBACKEND", None)  # pictures go to files, which need no backend
         try:
             status = super().main(*args, **extra)
         except UserError as error:
             complain(str(error))
             status = USER_ERROR
-        except OSError as error:
+        except (OSError, MemoryError) as error:
             complain(str(_told(error)))
             status = USER_ERROR
         except typer.TyperException as error:
@@ -82,8 +89,11 @@ class Commands(TyperGroup):
         sys.exit(status or 0)
 
 
-def _told(error: OSError) -> UserError:
-    """Such as of a folder that may not be entered, or of a full disk behind standard output."""
+def _told(error: OSError | MemoryError) -> UserError:
+    """Describe a folder that may not be entered, a full disk behind standard output, a limit."""
+    if isinstance(error, MemoryError) or error.errno in EXHAUSTED:
+        what = getattr(error, "strerror", None) or "Out of memory"
+        return UserError(f"{what}; raise that limit (ulimit -a) or use fewer --workers")
     place = error.filename
     if place is None and error.errno in NO_ROOM:
         place = "standard output"

@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-import gymnasium
 import numpy as np
 from PIL import Image
 
 from neol.base.errors import UserError
 from neol.champions.player import Player, Trace
+from neol.rollout.environment import uses_mujoco
 from neol.rollout.reference import ReferenceEngine, Step
 from neol.spec.constants import Task
 
@@ -87,14 +87,10 @@ def _choose_backends() -> None:
 
 
 def _camera(task: Task) -> ReferenceEngine:
-    if _is_mujoco(task) and "MUJOCO_GL" in os.environ:
+    if uses_mujoco(task) and "MUJOCO_GL" in os.environ:
         # Fails early if the library is missing; Gymnasium would print a trace as well.
         importlib.import_module(f"mujoco.{os.environ['MUJOCO_GL']}")
     return ReferenceEngine(task, "rgb_array")
-
-
-def _is_mujoco(task: Task) -> bool:
-    return "mujoco" in str(gymnasium.spec(task.environment).entry_point)
 
 
 def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
@@ -104,7 +100,7 @@ def _drawn(task: Task, draw: Callable[[], Drawn]) -> Drawn:
     except Exception as error:  # a drawing library may raise anything
         reason = " ".join(str(error).split())[:120]
         remedy = "choose a task that Gymnasium can draw"
-        if _is_mujoco(task):
+        if uses_mujoco(task):
             remedy = (
                 "MuJoCo needs EGL or OSMesa (on Debian: apt install libegl1 libgl1-mesa-dri, or "
                 "libosmesa6), the one that MUJOCO_GL names"

@@ -4,7 +4,9 @@ Values that pass have the types and the shape that the environment declares. The
 infinite, which fails a network's evaluation, not the run.
 """
 
+import importlib
 import math
+import os
 import reprlib
 import sys
 import warnings
@@ -28,6 +30,8 @@ def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.En
     Raises UserError if the id is unknown, the constructor raises, or the spaces do not fit a
     network.
     """
+    if uses_mujoco(task):
+        import_mujoco()
     rendered = {} if render_mode is None else {"render_mode": render_mode}
     with warnings.catch_warnings():
         # Libraries below the environment warn; as errors (PYTHONWARNINGS=error) that would end it.
@@ -61,6 +65,26 @@ def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.En
             "a network needs a Discrete or a flat Box action"
         )
     return environment
+
+
+def uses_mujoco(task: Task) -> bool:
+    """Whether Gymnasium's registry says that MuJoCo simulates a task."""
+    registered = gymnasium.registry.get(task.environment)
+    return registered is not None and "mujoco" in str(registered.entry_point)
+
+
+def import_mujoco() -> None:
+    """Import MuJoCo, and be it without the library that MUJOCO_GL names: a run draws nothing."""
+    try:
+        importlib.import_module("mujoco")
+    except Exception:
+        if (chosen := os.environ.get("MUJOCO_GL")) is None:
+            raise
+        os.environ["MUJOCO_GL"] = "disable"
+        try:
+            importlib.import_module("mujoco")
+        finally:
+            os.environ["MUJOCO_GL"] = chosen
 
 
 def network_size(task: Task) -> tuple[int, int]:

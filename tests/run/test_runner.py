@@ -81,6 +81,15 @@ def test_the_commit_is_that_which_the_run_began_with(monkeypatch: pytest.MonkeyP
     assert (info.provenance.commit, info.provenance.dirty) == ("before", False)
 
 
+def test_a_checkout_of_another_user_has_a_commit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(provenance, "this_package", lambda: tmp_path / "neol")
+    provenance.git("init", "--quiet")
+    monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")  # for Git's own tests
+    assert provenance.git("rev-parse", "--show-toplevel") == str(tmp_path.resolve())
+
+
 @pytest.mark.parametrize("seeds", [[], [0, 0]])
 def test_seeds_are_distinct(seeds: list[int], tmp_path: Path) -> None:
     with pytest.raises(UserError, match="give at least one, and none twice"):

@@ -11,3 +11,7 @@ every pose are omitted, which changes no bit of a sum; all others keep MuJoCo's 
 is a quaternion (w, y), a point is (x, z), and a spatial vector has three numbers: rotation about y,
 then x and z. Docstrings name the MuJoCo functions that a kernel replaces.
 """
+
+from neol.rollout.environment import import_mujoco
+
+import_mujoco()
