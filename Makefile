@@ -34,6 +34,9 @@ help:
 
 figures/%: $(READY) FORCE
 	$(RUN) snakemake $@
+	@for page in '$(basename $@)'.md '$(basename $@)'.png; do \
+	    if [ -e "$$page" ]; then echo "To look at it, open $$page"; fi; \
+	done
 
 report: $(READY)
 	$(RUN) snakemake report

@@ -150,10 +150,10 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
 def _printed(table: Table) -> Iterator[tuple[str, str]]:
     """Each entry as the table prints it, and the paper's beneath it."""
     rows = table.frame.groupby("task", sort=False)["method"]
-    for (task, methods), ours, papers in zip(
-        rows, table.lines[::2], table.lines[1::2], strict=True
-    ):
-        for method, here, paper in zip(methods, ours.entries, papers.entries, strict=True):
+    ours = [line for line in table.lines if not line.is_beneath]
+    papers = [line for line in table.lines if line.label == "paper"]
+    for (task, methods), own, paper_line in zip(rows, ours, papers, strict=True):
+        for method, here, paper in zip(methods, own.entries, paper_line.entries, strict=True):
             yield f"{table.name}/{task}/{method}/here", latex_entry(here)
             yield f"{table.name}/{task}/{method}/paper", latex_entry(paper)
 

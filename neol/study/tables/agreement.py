@@ -96,7 +96,7 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
                 _interval(row["sd_ratio"], row["sd_low"], row["sd_high"]),
                 Entry(row["differs"], "best"),
             ),
-            is_paper=False,
+            is_beneath=False,
         )
         for each, row in zip(compared, frame.to_dict("records"), strict=True)
     ]

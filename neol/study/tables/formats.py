@@ -1,13 +1,13 @@
 """How the paper's tables print a value, and mark one that is incomplete."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import ascii_lowercase
 
 from neol.pictures.labels import task_label, three_figures
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
-from neol.study.tables.summary import Summary
+from neol.study.tables.summary import OwnSummary, Summary
 from neol.study.tables.table import Entry, Line
 
 NOTHING = "--"
@@ -29,17 +29,24 @@ def marked(entry: Entry, mark: str | None, *, near_control: bool = False) -> Ent
     return Entry(f"{text} {mark}" if mark else text, entry.emphasis)
 
 
-def two_lines(task: str, ours: Sequence[Entry], papers: Sequence[Entry]) -> list[Line]:
-    """A task's line, and the paper's beneath it."""
+def lines_of(
+    task: str, ours: Sequence[Entry], beneath: Mapping[str, Sequence[Entry]]
+) -> list[Line]:
+    """Return a task's line, and the labelled lines beneath it."""
     return [
-        Line(task_label(task), tuple(ours), is_paper=False),
-        Line("paper", tuple(papers), is_paper=True),
+        Line(task_label(task), tuple(ours), is_beneath=False),
+        *(Line(label, tuple(entries), is_beneath=True) for label, entries in beneath.items()),
     ]
 
 
 def fitness(summary: Summary) -> Entry:
     """324.34 ± 3.86, as Table 1 prints it."""
     return _mean_sd(summary, lambda value: f"{value:.2f}")
+
+
+def held_out(summary: OwnSummary) -> Entry:
+    """Format the mean return of the runs' champions in fresh episodes: 87.0."""
+    return Entry(three_figures(summary.held_out) if summary.seeds else NOTHING)
 
 
 def score(summary: Summary) -> Entry:

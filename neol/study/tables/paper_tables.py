@@ -75,10 +75,12 @@ def table4(campaign: Campaign) -> Table:
 def _best_fitness(number: int, campaign: Campaign, setting: str, remark: str = "") -> Table:
     title = (
         f"Best final-generation fitness, mean ± SD over seeds (n - 1 in its denominator); {_RANKED}"
-        f"{remark} The configurations are those of Table {SETTINGS[setting].paper_table}."
+        f"{remark} Final fitness is a maximum over noisy episodes; what the champions return in "
+        "fresh episodes, on average, is given too. The configurations are those of Table "
+        f"{SETTINGS[setting].paper_table}."
     )
     methods = SETTINGS[setting].methods(campaign.configuration.budget)
-    return _means(number, title, formats.fitness, campaign, setting, methods, number)
+    return _means(number, title, formats.fitness, campaign, setting, methods, number, fresh=True)
 
 
 def _scores(number: int, campaign: Campaign, against: str, remark: str = "") -> Table:
@@ -141,7 +143,7 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
             for p, why, little in zip(row["p"], row["incomplete"], row["near_control"], strict=True)
         ]
         papers = [formats.p_value(p, 3 if number == 5 else 2) for p in row["paper_p"]]
-        lines += formats.two_lines(task, ours, papers)
+        lines += formats.lines_of(task, ours, {"paper": papers})
     columns = tuple(f"{method_label(rule)} vs NEAT" for rule in rules)
     return _table(number, title, columns, lines, marks, frame, campaign, setting, (*rules, "neat"))
 
@@ -201,8 +203,13 @@ def _means(
     setting: str,
     methods: Sequence[str],
     values: int,
+    *,
+    fresh: bool = False,
 ) -> Table:
-    """A table whose entries are printed by `entry`; table `values` has the paper's means."""
+    """A table whose entries are printed by `entry`; table `values` has the paper's means.
+
+    With `fresh`, what champions return in fresh episodes stands beneath.
+    """
     comparisons = compare(campaign, setting, values, methods)
     marks = formats.marks(each.here.incomplete for each in comparisons)
     lines = []
@@ -216,7 +223,10 @@ def _means(
             )
             for each in row
         ]
-        lines += formats.two_lines(task, ours, [entry(each.paper) for each in row])
+        beneath = {"paper": [entry(each.paper) for each in row]}
+        if fresh:
+            beneath["in fresh episodes"] = [formats.held_out(each.here) for each in row]
+        lines += formats.lines_of(task, ours, beneath)
     frame = pd.DataFrame([_flat(each) for each in comparisons])
     frame = frame.astype({"population": "Int64", "paper_population": "Int64"})
     columns = tuple(method_label(method) for method in methods)

@@ -37,6 +37,8 @@ class OwnSummary(Summary):
     """What is missing; such a value is not ranked."""
     near_control: bool = False
     """Whether the cell's rule moves next to nothing."""
+    held_out: float = math.nan
+    """Mean over seeds of the champion's mean return in fresh episodes; NaN without any."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,7 @@ def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSum
     elif len(complete) < len(cells):
         incomplete = f"chosen among the {len(complete)} of {len(cells)} cells that are complete"
     mean, sd = mean_sd(values[cell])
+    fresh = [value for value in runs[cell].held_out.values() if not math.isnan(value)]
     from_paper = table is not None and cell in paper_cells(campaign.configuration, table).values()
     return OwnSummary(
         population=cell.population,
@@ -113,6 +116,7 @@ def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSum
         seeds=len(values[cell]),
         incomplete=incomplete,
         near_control=is_near_control(campaign, cell),
+        held_out=mean_sd(fresh)[0],
     )
 
 

@@ -1,4 +1,4 @@
-"""A table of the paper as LaTeX, HTML and CSV, with what it was made from."""
+"""A table as LaTeX, Markdown, HTML and CSV, and the list of records that it was made from."""
 
 import html
 from dataclasses import dataclass
@@ -28,8 +28,8 @@ class Line(NamedTuple):
 
     label: str
     entries: tuple[Entry, ...]
-    is_paper: bool
-    """The paper's own values, printed small beneath ours."""
+    is_beneath: bool
+    """Printed small, beneath the line that it belongs to: the paper's values, say."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,15 +52,18 @@ class Table:
     """The records behind it."""
 
     def write(self, folder: Path) -> None:
-        """Write name.tex, name.csv (full precision) and name.json (where it comes from)."""
+        """Write name.tex, .md (to read), .csv (full precision) and .json (where it comes from)."""
         folder.mkdir(parents=True, exist_ok=True)
-        path, csv = folder / f"{self.name}.tex", folder / f"{self.name}.csv"
+        path, page, csv = (folder / f"{self.name}.{kind}" for kind in ("tex", "md", "csv"))
         made_by = (
             f"% Made by `{command(path, self.configuration)}` from what {self.name}.json lists."
         )
         write_atomically(path, f"{made_by}\n{self.latex()}\n".encode())
+        title = f"# Table {self.number}\n\n{self.caption}\n\n"
+        notes = "".join(f"\n{note}\n" for note in self.notes)
+        write_atomically(page, f"{title}{self.markdown()}{notes}".encode())
         write_atomically(csv, self.csv())
-        write_sidecar([path, csv], self.configuration, self.sources)
+        write_sidecar([path, csv, page], self.configuration, self.sources)
 
     def csv(self) -> bytes:
         """`frame`, as its file holds it."""
@@ -80,13 +83,32 @@ class Table:
                 "    \\toprule",
                 "    " + " & ".join(["Task", *map(escape, self.columns)]) + " \\\\",
                 "    \\midrule",
-                *(f"    {_latex_line(line)}" for line in self.lines),
+                *(
+                    f"    {_latex_line(line)}{self._gap_below(i)}"
+                    for i, line in enumerate(self.lines)
+                ),
                 "    \\bottomrule",
                 "  \\end{tabular}",
                 *(f"  \\par\\footnotesize {escape(note)}" for note in self.notes),
                 "\\end{table}",
             ]
         )
+
+    def _gap_below(self, i: int) -> str:
+        """Return LaTeX's gap between a task's last line and the next task."""
+        after = self.lines[i + 1 : i + 2]
+        is_last = self.lines[i].is_beneath and not any(line.is_beneath for line in after)
+        return " \\addlinespace" if is_last else ""
+
+    def markdown(self) -> str:
+        """Return the table in Markdown: bold is best, italic the runner-up."""
+        marks = {"best": "**%s**", "runner-up": "*%s*", "": "%s"}
+        rows = [
+            [line.label, *(marks[emphasis] % text for text, emphasis in line.entries)]
+            for line in self.lines
+        ]
+        head = [["Task", *self.columns], ["---"] * (len(self.columns) + 1)]
+        return "".join(f"| {' | '.join(row)} |\n" for row in [*head, *rows])
 
     def _repr_html_(self) -> str:
         head = "".join(
@@ -103,7 +125,7 @@ def _html_line(line: Line) -> str:
     cells = "".join(
         f"<td>{tags[emphasis] % html.escape(text)}</td>" for text, emphasis in line.entries
     )
-    row = '<tr class="paper">' if line.is_paper else "<tr>"
+    row = '<tr class="beneath">' if line.is_beneath else "<tr>"
     return f'{row}<th scope="row">{html.escape(line.label)}</th>{cells}</tr>'
 
 
@@ -114,7 +136,7 @@ def latex_entry(entry: Entry) -> str:
 
 
 def _latex_line(line: Line) -> str:
-    label = f"\\quad {line.label}" if line.is_paper else escape(line.label)
+    label = f"\\quad {escape(line.label)}" if line.is_beneath else escape(line.label)
     cells = [label, *map(latex_entry, line.entries)]
-    size, gap = ("\\footnotesize ", " \\addlinespace") if line.is_paper else ("", "")
-    return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\" + gap
+    size = "\\footnotesize " if line.is_beneath else ""
+    return " & ".join(f"{size}{cell}" for cell in cells) + " \\\\"

@@ -35,8 +35,8 @@ class Group:
     suffixes: tuple[str, ...]
 
 
-TABLES = Group("tables", "Tables", ("tex", "csv", "json"))
-NUMBERS = Group("numbers", "Beside the paper's numbers", ("tex", "csv", "json"))
+TABLES = Group("tables", "Tables", ("tex", "csv", "json", "md"))
+NUMBERS = Group("numbers", "Beside the paper's numbers", ("tex", "csv", "json", "md"))
 FIGURES = Group("figures", "Figures", ("pdf", "png", "json", "csv"))
 CLAIMS = Group("claims", "Claims", ("tex", "csv", "json", "md"))
 BEYOND = Group("beyond", "Beyond the paper", ("pdf", "png", "json", "csv"))

@@ -23,9 +23,9 @@ def table(tmp_path: Path) -> Path:
 
 def test_a_table_is_traced_to_its_runs(table: Path) -> None:
     lines = list(trace(table, table.parent.parent))
-    assert lines[:2] == ["table3.tex", "table3.csv"]
-    assert lines[2].endswith("figures/table3.tex --config budget=smoke tasks=cartpole")
-    assert lines[4].startswith("reading  first (plasticity.reward_scale=0.01, ")
+    assert lines[:3] == ["table3.tex", "table3.csv", "table3.md"]
+    assert lines[3].endswith("figures/table3.tex --config budget=smoke tasks=cartpole")
+    assert lines[5].startswith("reading  first (plasticity.reward_scale=0.01, ")
     assert "records  14, of 42 runs" in lines
     assert sum(line.startswith("  seed ") for line in lines) == 42
     assert "results/first/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines

@@ -202,8 +202,8 @@ def test_a_table_of_other_records_is_refused(
         page(campaign, altered, champions)
 
 
-def test_the_papers_rows_are_marked(text: str) -> None:
-    assert '<tr class="paper"><th scope="row">' in text
+def test_lines_beneath_are_marked(text: str) -> None:
+    assert '<tr class="beneath"><th scope="row">' in text
     assert text.count("<thead>") == text.count("<table>")
 
 

@@ -38,7 +38,7 @@ def test_only_questions_that_the_budget_asks_are_listed(text: str) -> None:
 
 
 def test_tables_and_effects_are_there(text: str) -> None:
-    assert "<table>" in section(text, "Table 1")
+    assert re.search(r"\n\| in fresh episodes \| [-0-9.]+ \|", section(text, "Table 1"))
     compared = section(text, "Every comparison")
     assert "| held-out return | Hopper | 0.00 [0.00, 0.00]; 0.50 |" in compared
 
@@ -48,8 +48,8 @@ def test_the_title_names_the_budget(text: str) -> None:
 
 
 def test_tables_are_tables(text: str) -> None:
-    """A blank line before, as many cells in each line, none after the last; Table 1 as HTML."""
-    assert text.count("<table>") == text.count("</table>") == 1
+    """A blank line before, and as many cells in each line."""
+    assert "<table>" not in text
     for table in re.findall(r"(?:^\|.*\n)+", text, re.M):
         assert f"\n\n{table}" in text
         assert len({line.count("|") for line in table.splitlines()}) == 1
