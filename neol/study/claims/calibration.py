@@ -9,6 +9,7 @@ import argparse
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -58,31 +59,30 @@ class MadeUp(Outcomes):
         return [cell for method in methods for cell in self.by_method.get((task, method), ())]
 
 
-def simulated(truth: str, studies: int, seed: int = 0) -> Iterator[list[tuple[Answer, ...]]]:
-    """The answers of each study at each look."""
+def made_up_studies(truth: str, seed: int = 0) -> Iterator[MadeUp]:
+    """Draw one study after another, each with all its seeds."""
     random = np.random.default_rng(seed)
-    questions = load_questions()
     configuration = load_configuration("paper")
-    grid = cells(configuration)
     by_method: dict[tuple[str, str], list[Cell]] = {}
-    for cell in grid:
+    for cell in cells(configuration):
         by_method.setdefault((cell.task, cell.method), []).append(cell)
+    grid = tuple(cells(configuration))
     means = {(cell, metric): _truth(truth, cell, metric) for cell in grid for metric in METRICS}
-    for _ in range(studies):
+    while True:
         noise = random.standard_normal((len(means), LOOKS[-1]))
         drawn = {
             place: mean + sd * each
             for (place, (mean, sd)), each in zip(means.items(), noise, strict=True)
         }
-        there = MadeUp(
-            pd.DataFrame(),
-            tuple(grid),
-            {},
-            configuration.budget,
-            drawn=drawn,
-            by_method=by_method,
-        )
-        yield [answers(questions, replace(there, available=seeds)) for seeds in LOOKS]
+        budget = configuration.budget
+        yield MadeUp(pd.DataFrame(), grid, {}, budget, drawn=drawn, by_method=by_method)
+
+
+def simulated(truth: str, studies: int, seed: int = 0) -> Iterator[list[tuple[Answer, ...]]]:
+    """Answer the questions of so many studies, of each at every look."""
+    questions = load_questions()
+    for study in islice(made_up_studies(truth, seed), studies):
+        yield [answers(questions, replace(study, available=seeds)) for seeds in LOOKS]
 
 
 def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:

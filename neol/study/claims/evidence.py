@@ -92,8 +92,8 @@ def _difference(question: Difference, runs: Runs) -> Answered:
             for each in (side, against)
         )
         baseline = against.method or ""
-        theirs_printed = printed(against, question.outcome, task, [baseline], baseline)
-        ours_printed = printed(side, question.outcome, task, rules, baseline)
+        theirs_printed = printed(against, question.outcome, task, (baseline,), baseline)
+        ours_printed = printed(side, question.outcome, task, tuple(rules), baseline)
         paper = None
         if ours_printed and theirs_printed:
             paper = difference(ours_printed, theirs_printed, question.statistic, question.scale)
@@ -185,7 +185,7 @@ def _rank(question: Rank, runs: Runs, alpha: float) -> Answered:
             return _decisive(leads, at_most)
 
         summaries = [
-            printed(side, question.outcome, task, [each], question.against) for each in methods
+            printed(side, question.outcome, task, (each,), question.against) for each in methods
         ]
         there = [each for each in summaries if each]
         paper = None
@@ -236,7 +236,7 @@ def _printed(question: Printed, runs: Runs, alpha: float) -> Answered:
     def of_method(outcome: Metric, task: str, method: Method, table: Method) -> Evidence:
         side = tables[outcome][table == "neat_wo"]
         choice = choose(runs.outcomes, side, task, method)
-        paper = printed(side, outcome, task, [method], table)
+        paper = printed(side, outcome, task, (method,), table)
 
         def effect() -> Effect:
             (summary,) = runs.summaries([[choice]], outcome)

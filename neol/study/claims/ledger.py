@@ -17,6 +17,7 @@ from neol.study.claims.plan import frozen_plan
 from neol.study.claims.questions import Claim
 from neol.study.claims.verdicts import Answer, Finding, Verdict
 from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.output.captions import describe_budget
 from neol.study.output.latex import escape
@@ -51,6 +52,7 @@ def _rows(answer: Answer) -> Iterator[dict[str, Any]]:
         "for": answer.counts["for"],
         "against": answer.counts["against"],
         "open": answer.counts["open"],
+        "near_control": answer.near_control,
         "p": answer.p,
         "p_holm": answer.p_holm,
         "compatible": answer.compatible,
@@ -77,6 +79,7 @@ def _numbers(finding: Finding) -> dict[str, Any]:
         "paper_low": paper_low,
         "paper_high": paper_high,
         "margin": finding.evidence.margin,
+        "near_control": finding.near_control,
     }
 
 
@@ -169,13 +172,19 @@ def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
         low, high = answer.fresh.interval()
         lines.append(f"Seeds 10 and up alone: {_effect(answer.fresh, low, high)} (95%).")
     rows = [
-        [part.evidence.label, part.state or "--", _effect(part.evidence.ours, part.low, part.high),
+        [_label(part), part.state or "--", _effect(part.evidence.ours, part.low, part.high),
          "--" if part.evidence.paper is None else three_figures(part.evidence.paper.value)]
         for part in answer.parts
     ]  # fmt: skip
     lines.append(_grid(["part", "is", "effect [interval]", "the paper's effect"], rows))
+    if any(part.near_control for part in answer.parts):
+        lines.append(f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}.")
     lines += [f"> {each.quote} ({each.place})" for each in quotes]
     return lines
+
+
+def _label(part: Finding) -> str:
+    return f"{part.evidence.label}{NEAR_CONTROL_MARK * part.near_control}"
 
 
 def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -100,8 +100,9 @@ def choose(outcomes: Outcomes, side: Side, task: str, method: str) -> Choice:
     return Choice(cells, one_of=side.cells == "best", papers=len(cells) == expected)
 
 
+@cache
 def printed(
-    side: Side, outcome: str, task: str, methods: Iterable[str], baseline: str
+    side: Side, outcome: str, task: str, methods: tuple[str, ...], baseline: str
 ) -> Summary | None:
     """What the paper prints of some methods, in the table that compares them with a baseline."""
     if side.cells not in _PRINTED.get(outcome, ()) or baseline not in ("neat", "neat_wo"):

@@ -61,6 +61,8 @@ class Finding:
     low: float
     high: float
     """The interval at this look's level."""
+    near_control: bool = False
+    """Whether its rules move next to nothing, so that it is no effect of learning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +94,16 @@ class Answer:
         """Parts for, against and open."""
         found = Counter(part.state or "open" for part in self.parts)
         return {"for": found["for"], "against": found["against"], "open": found["open"]}
+
+    @property
+    def near_control(self) -> bool:
+        """Whether every part is, of which some have a rule: then no rule has done anything."""
+        rules = [
+            part.near_control
+            for part in self.parts
+            if any(cell.learning_rate is not None for cell in part.evidence.cells)
+        ]
+        return bool(rules) and all(rules)
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,8 +189,8 @@ def _tests_zero(question: Question) -> bool:
 def _answer(asked: _Asked, outcomes: Outcomes, p: float, p_holm: float, papers_p: float) -> Answer:
     question, whole = asked.question, asked.whole
     alpha = ALPHA if asked.number is None else level(asked.number)
-    parts = tuple(_finding(question, part, alpha) for part in asked.parts)
-    decided = None if whole is None else _finding(question, whole, alpha)
+    parts = tuple(_finding(question, part, outcomes, alpha) for part in asked.parts)
+    decided = None if whole is None else _finding(question, whole, outcomes, alpha)
     ours, paper = _effect(whole, "ours"), _effect(whole, "paper")
     verdict, reason = _judge(question, parts, whole, ours, paper, p_holm, alpha)
     lack = _lack(asked, outcomes, verdict)
@@ -229,12 +241,14 @@ def _expects(question: Question) -> Expect | None:
     return None
 
 
-def _finding(question: Question, part: Evidence, alpha: float) -> Finding:
+def _finding(question: Question, part: Evidence, outcomes: Outcomes, alpha: float) -> Finding:
+    learning = {cell for cell in part.cells if cell.learning_rate is not None}
+    near_control = bool(learning) and learning <= outcomes.near_control
     if part.ours is None:
-        return Finding(part, part.state, math.nan, math.nan)
+        return Finding(part, part.state, math.nan, math.nan, near_control)
     low, high = part.ours.interval(1 - alpha)
     state = part.state or _state(part.ours, _expects(question), part.margin, alpha)
-    return Finding(part, state, low, high)
+    return Finding(part, state, low, high, near_control)
 
 
 def _state(ours: Effect, expect: Expect | None, margin: float, alpha: float) -> State:

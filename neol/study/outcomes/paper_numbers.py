@@ -62,6 +62,7 @@ CONTRADICTIONS = {
 """By table: where the paper's numbers contradict its words, or each other."""
 
 
+@cache
 def values(table: int) -> dict[tuple[str, str], tuple[float, float | None]]:
     """Value and deviation by task and column of Tables 1, 2, 5-8; p-values have no deviation."""
     return {
@@ -90,6 +91,7 @@ def paper_a12(table: int, task: str, method: str) -> float:
     return math.nan if u is None else u / PAPER_SEEDS**2
 
 
+@cache
 def settings(table: int) -> dict[tuple[str, str], tuple[int, float | None]]:
     """Population and learning rate by task and method, of Table 3 or 4."""
     return {

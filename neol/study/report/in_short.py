@@ -133,4 +133,6 @@ def _entry(row: Mapping[Any, Any], *, named: bool) -> str:
 
 
 def _of_questions(whole: pd.DataFrame, verdict: str) -> str:
-    return listed(f"`{name}`" for name in whole.loc[whole["verdict"] == verdict, "question"])
+    """Name the questions with a verdict; the mark says that no rule moves in any part of one."""
+    rows = whole[whole["verdict"] == verdict].to_dict("records")
+    return listed(f"`{row['question']}`{NEAR_CONTROL_MARK * row['near_control']}" for row in rows)
