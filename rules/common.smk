@@ -24,7 +24,7 @@ from neol.study.campaign.shown import (
     results_page,
     select,
 )
-from neol.study.workflow.exhibits import by_notebook, exhibits, records
+from neol.study.workflow.exhibits import GRID, by_notebook, exhibits, records
 from neol.study.workflow.snakemake import clear_stale_locks, pattern
 
 # The Python of this environment, also if it is not activated: `conda:` below only documents the software, because
@@ -156,6 +156,7 @@ def inputs(together):
         "code": FIGURE_CODE if drawn else TABLE_CODE,
         "paper": sorted(glob("paper/reference/*.csv")),
         "also": sorted(also),
+        "built": sorted(f"build/{PLACE}/{name}" for each in together for name in each.built),
         "records": sorted(str(RESULTS / path) for path in read),
     }
 

@@ -49,6 +49,33 @@ rule showcase:
         "python -m neol.study.report.showcase {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {output:q} > {log:q} 2>&1"
 
 
+# A minute or two for each thousand champions, so it is kept apart from what is drawn of it.
+rule switched_off:
+    input:
+        code=[
+            "neol/study/report/switched_off.py",
+            "neol/champions/player.py",
+        ],
+        records=[str(RESULTS / path) for path in records(CONFIGURATION, GRID)],
+    output:
+        f"build/{PLACE}/switched_off.csv",
+    log:
+        f"logs/{PLACE}/switched_off.log",
+    benchmark:
+        f"logs/{PLACE}/switched_off.tsv"
+    conda:
+        "../environment.yml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        budget=BUDGET,
+        reading=READING,
+        tasks=TASKS,
+    shell:
+        "python -m neol.study.report.switched_off {params.budget} --reading {params.reading} --tasks '{params.tasks}' {output} > {log} 2>&1"
+
+
 rule report_page:
     input:
         champions=CHAMPIONS,

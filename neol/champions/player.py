@@ -13,6 +13,7 @@ from neol.base.errors import UserError
 from neol.neat.decoding import decode
 from neol.neat.genome import Genome, Pool
 from neol.network.forward import Networks
+from neol.network.rules import NO_RULE
 from neol.random.seeds import held_out_seeds
 from neol.rollout import make_engine
 from neol.rollout.environment import network_size
@@ -89,17 +90,21 @@ class Player:
             total = engine.watch(self.network, seed, self.spec.plasticity, see, plastic_steps)
         return recorder.trace(total)
 
-    def evaluate(self, seeds: npt.ArrayLike) -> Floats:
+    def evaluate(self, seeds: npt.ArrayLike, *, plastic: bool = True) -> Floats:
         """Return the returns of some seeds' episodes on the fastest engine: float64[episodes].
 
-        Each episode begins with the champion's own weights, as held-out ones do. NaN: failed.
+        Each episode begins with the champion's own weights, as held-out ones do, and keeps them
+        where it is not `plastic`. NaN: failed.
         """
         column = np.asarray(seeds, dtype=np.uint64).reshape(-1, 1)
         inputs, outputs = self.network.inputs, self.network.outputs
         pool = Pool.of([self.genome] * len(column))
         networks, _ = decode(pool, inputs, outputs, self.spec.network)
+        plasticity = self.spec.plasticity
+        if not plastic:
+            plasticity = plasticity.model_copy(update={"rule": NO_RULE, "learning_rate": 0.0})
         with contextlib.closing(make_engine(self.spec.task)) as engine:
-            returns: Floats = engine.evaluate(networks, column, self.spec.plasticity).returns[:, 0]
+            returns: Floats = engine.evaluate(networks, column, plasticity).returns[:, 0]
         return returns
 
 

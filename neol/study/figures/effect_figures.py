@@ -18,7 +18,7 @@ from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.effects import COMPARISONS, thresholds
-from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
+from neol.study.outcomes.movement import NEAR_CONTROL, NEAR_CONTROL_WORDS
 from neol.study.outcomes.outcomes import EQUAL
 
 GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
@@ -208,6 +208,38 @@ def draw_selection_bias(table: pd.DataFrame, budget: Budget, note: str) -> Figur
         if without:
             explanation += f" Left out: {without} runs whose champion failed in all fresh episodes."
         footer(figure, f"{note} {explanation}")
+    return figure
+
+
+def draw_learning(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
+    """What switching plasticity off changes in each cell, over how far its weights move."""
+    looks = _looks(table, budget)
+    with drawing():
+        figure = Figure(figsize=(WIDTH, 2.7))
+        axes = figure.subplots(1, len(budget.tasks), squeeze=False)[0]
+        for axis, task in zip(axes, budget.tasks, strict=True):
+            axis.axhline(0, color=GREY, linewidth=0.7)
+            axis.axvspan(1e-9, NEAR_CONTROL, color=GREY, alpha=0.12, linewidth=0)
+            here = table[(table["task"] == task) & table["switching_off"].notna()]
+            for row in here.to_dict("records"):
+                look, place = looks[row["method"]], row["movement_over_run"]
+                axis.vlines(place, row["low"], row["high"], color=look.colour, linewidth=0.8)
+                fill = "white" if row["near_control"] else look.colour
+                axis.plot(place, row["switching_off"], look.marker, color=look.colour,
+                          markerfacecolor=fill)  # fmt: skip
+            moved = table.loc[table["movement_over_run"] > 0, "movement_over_run"]
+            axis.set_xscale("log")
+            if len(moved):
+                axis.set_xlim(0.6 * moved.min(), 1.6 * moved.max())
+            axis.set_title(task_label(task))
+        axes[0].set_ylabel("Return without plasticity\n− return with it")
+        _below(axes, "Path of a weight over the run / SD of initial weights")
+        _legend(figure, looks)
+        footer(
+            figure,
+            f"{note} A mark for each population and learning rate: means over champions with 95% "
+            f"intervals, below 0 where plasticity helps. Grey, hollow: {NEAR_CONTROL_WORDS}.",
+        )
     return figure
 
 

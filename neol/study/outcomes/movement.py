@@ -5,12 +5,16 @@ write-back a child begins where its parent ended, so that is how far a line of d
 """
 
 import math
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from neol.study.campaign.grid import Cell, cells
 from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.statistics import ALPHA, mean_interval
 
 NEAR_CONTROL = 0.1
 """Below this path over a run, in standard deviations of initial weights, nothing is learned.
@@ -67,3 +71,46 @@ def movements(campaign: Campaign) -> pd.DataFrame:
     columns = ["task", "method", "population", "learning_rate", "seeds"]
     columns += ["movement_per_evaluation", "movement_over_run", "near_control"]
     return pd.DataFrame(rows, columns=columns)
+
+
+def read_switched_off(path: str) -> pd.DataFrame:
+    """What `learning` needs of champions played again; empty where the file is not there."""
+    if Path(path).exists():
+        return pd.read_csv(path)
+    print(f"neol: {path}: not there, so no champion is shown without plasticity", file=sys.stderr)
+    keys = ["task", "method", "population", "learning_rate", "seed"]
+    return pd.DataFrame(columns=[*keys, "plastic", "fixed"])
+
+
+def learning(campaign: Campaign, switched_off: pd.DataFrame) -> pd.DataFrame:
+    """`movements`, and what switching plasticity off changes in the champions' return.
+
+    `switched_off` has a row for each champion that was played again: the cell's columns, seed, and
+    its mean returns with plasticity, `plastic`, and without, `fixed`, in the same episodes. Their
+    difference is averaged over `champions` in `switching_off`, with Student's interval `low` to
+    `high`; NaN where none was played.
+    """
+    keys = ["task", "method", "population", "learning_rate"]
+    gaps = switched_off.assign(gap=switched_off["fixed"] - switched_off["plastic"])
+    rows = []
+    for place, some in gaps.dropna(subset="gap").groupby(keys):
+        values = some["gap"].to_numpy(dtype=np.float64)
+        low, high = mean_interval(values)
+        rows.append((*place, len(values), values.mean(), float(low), float(high)))
+    columns = [*keys, "champions", "switching_off", "low", "high"]
+    return movements(campaign).merge(pd.DataFrame(rows, columns=columns), how="left", on=keys)
+
+
+def describe_learning(table: pd.DataFrame) -> list[str]:
+    """In how many cells switching plasticity off changes what champions return: two sentences."""
+    sentences = []
+    for near, words in ((True, "near control"), (False, "where weights move")):
+        played = table[(table["near_control"] == near) & table["low"].notna()]
+        changed = int(((played["low"] > 0) | (played["high"] < 0)).sum())
+        lower = int((played["high"] < 0).sum())
+        sentences.append(
+            f"Of {len(played)} cells {words}, switching plasticity off changes the champions' "
+            f"return in {changed} (lower in {lower}); by chance about {ALPHA * len(played):.1f} "
+            "would seem to."
+        )
+    return sentences

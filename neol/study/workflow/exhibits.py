@@ -56,6 +56,8 @@ class Exhibit:
     caption: str
     files: tuple[str, ...] = ()
     """Other inputs: patterns of the repository's files."""
+    built: tuple[str, ...] = ()
+    """Other inputs: what rules of the workflow write to its folder of `build/`."""
     task: str | None = None
     """The only task that it shows; it is omitted for a budget without this task."""
 
@@ -131,6 +133,9 @@ EXHIBITS = (
     Exhibit("beyond_selection", BEYOND, "beyond", reads=GRID,
         caption="Selection bias: the champion's training maximum beside its mean return in "
         "fresh episodes."),
+    Exhibit("beyond_learning", BEYOND, "learning", reads=GRID, built=("switched_off.csv",),
+        caption="Learning: how far weights move in each cell of a rule, and what switching "
+        "plasticity off changes in the champions' return."),
     Exhibit("beyond_sensitivity", BEYOND, "beyond", reads=TRIALS,
         files=("config/sensitivity/*.yaml",),
         caption="Sensitivity: what some of the constants that the paper leaves open do to the "

@@ -1,16 +1,26 @@
 """How far weights move, by hand, and of shipped records a second time."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
+from scipy import stats
 
 from neol.spec.configuration import ROOT
 from neol.study.campaign.grid import RESULTS, Cell, cells
 from neol.study.campaign.shown import select
 from neol.study.outcomes.campaign_runs import Campaign, CellRuns
-from neol.study.outcomes.movement import NEAR_CONTROL, is_near_control, movement, movements
+from neol.study.outcomes.movement import (
+    NEAR_CONTROL,
+    describe_learning,
+    is_near_control,
+    learning,
+    movement,
+    movements,
+    read_switched_off,
+)
 from neol.study.outcomes.outcomes import gather
 from tests.helpers.made_up import configuration, write_campaign
 
@@ -63,6 +73,32 @@ def test_no_runs_are_not_near_control(tmp_path: Path) -> None:
     campaign = Campaign(configuration(), tmp_path)
     assert not is_near_control(campaign, OJA)
     assert movements(campaign)["movement_over_run"].isna().all()
+
+
+def test_what_switching_off_changes_by_hand(tmp_path: Path) -> None:
+    """Three champions return 1, 2 and 3 less without plasticity, one of another cell nothing."""
+    campaign = moved(tmp_path, 0.04)
+    place = ("cartpole", "oja", 12, 0.25)
+    rows = [(*place, seed, 10.0, 9.0 - seed) for seed in range(3)]
+    rows += [("cartpole", "oja", 6, 0.25, 0, 10.0, math.nan)]
+    columns = ["task", "method", "population", "learning_rate", "seed", "plastic", "fixed"]
+    table = learning(campaign, pd.DataFrame(rows, columns=columns))
+    assert len(table) == 3 * 2 * 2
+    found = table.set_index(columns[:4]).loc[place]
+    interval = stats.ttest_1samp([-1, -2, -3], 0).confidence_interval()
+    assert found[["champions", "switching_off"]].tolist() == [3, -2]
+    assert found[["low", "high"]].tolist() == pytest.approx([*interval])
+    assert table["switching_off"].notna().sum() == 1
+    near, away = describe_learning(table.assign(high=-0.1))
+    assert near.startswith("Of 0 cells near control")
+    assert "in 1 (lower in 1)" in away
+
+
+def test_without_champions_played_again_the_movement_is_shown(tmp_path: Path) -> None:
+    played = read_switched_off(str(tmp_path / "none.csv"))
+    table = learning(moved(tmp_path, 0.04), played)
+    assert table["switching_off"].isna().all()
+    assert table["movement_over_run"].notna().all()
 
 
 def test_shipped_records_a_second_time() -> None:
