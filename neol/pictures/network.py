@@ -123,8 +123,10 @@ def network_figure(player: Player) -> Figure:
         key = [
             Line2D([], [], color=GREY, linewidth=THICKEST, label=f"|weight| {largest}"),
             Line2D([], [], color=GREY, linewidth=THINNEST, label="|weight| near 0"),
-            Line2D([], [], color="0.75", linewidth=0.5, linestyle=":", label="disabled gene"),
         ]
+        if graph(player).disabled:
+            label = "disabled gene"
+            key.append(Line2D([], [], color="0.75", linewidth=0.5, linestyle=":", label=label))
         axes.legend(handles=key, loc="upper center", bbox_to_anchor=(0.5, 0), ncols=len(key))
     return figure
 
@@ -148,8 +150,9 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
     """Draw how weights change within an episode, as in the paper's Figure 1, and what drives it.
 
     Top: the network at the start, in the middle and at the end, each weight coloured by its change
-    since the start. Below, over the same steps: changes, rewards and, if the rule uses them,
-    thresholds. Raises UserError for a champion that does not learn.
+    since the start, on the scale of the largest weight: what changes little stays pale. Below, over
+    the same steps: changes, rewards and, if the rule uses them, thresholds. Raises UserError for a
+    champion that does not learn.
     """
     spec = player.spec
     if not spec.plasticity.learns:
@@ -166,7 +169,11 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
     heights = [0.85 * _height(player) + 0.3, ROW * len(plots)]
     with drawing():
         figure = Figure(figsize=(1.15 * WIDTH, sum(heights) + 0.6))
-        summary = f"An episode of {len(trace)} steps, return {_number(trace.episode_return)}"
+        summary = (
+            f"An episode of {len(trace)} steps, return {_number(trace.episode_return)}: the "
+            f"largest change of a weight is {_two_figures(changes)}, the largest weight "
+            f"{_two_figures(trace.weights)}"
+        )
         figure.suptitle(f"{title(player)}\n{summary}", x=0.01, ha="left")
         above, below = figure.subfigures(2, squeeze=False, height_ratios=heights)[:, 0]
         panels = above.subplots(1, 3)
@@ -177,7 +184,7 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
                 player,
                 weights=trace.weights[step],
                 colours=changes[step],
-                limit=_largest(changes),
+                limit=_largest(trace.weights),
                 inputs=name == "Start",
                 outputs=name == "End",
             )
@@ -192,12 +199,12 @@ def plasticity_figure(player: Player, trace: Trace) -> Figure:
 
 
 def _changes(axes: Axes, player: Player, trace: Trace) -> None:
-    """Plot the change of each weight, in the colour of the last network."""
+    """Plot the change of each weight, those that change most in black and with their names."""
     changes = trace.weights - trace.weights[0]
-    scale = Normalize(-_largest(changes), _largest(changes))
     order = np.argsort(np.abs(changes).max(axis=0))
     for edge in order:
-        axes.plot(changes[:, edge], color=COOL_TO_WARM(scale(changes[-1, edge])), linewidth=1)
+        named = edge in order[-NAMED:]
+        axes.plot(changes[:, edge], color="black" if named else "0.75", linewidth=1)
     connections = graph(player).enabled
     _name_ends(
         axes,
@@ -285,6 +292,11 @@ def _colour_bar(
 def _largest(values: Floats) -> float:
     """Return the largest absolute value; 1 if all are 0."""
     return float(np.abs(values).max(initial=0.0)) or 1.0
+
+
+def _two_figures(values: Floats) -> str:
+    """The largest size among some values, as a picture prints it."""
+    return drawn(f"{np.abs(values).max(initial=0.0):.2g}")
 
 
 def _number(value: float, digits: int = 1) -> str:

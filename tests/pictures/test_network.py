@@ -66,8 +66,11 @@ def test_learning_is_drawn_as_it_was(method: str, plots: int, player_of: MakePla
     for axes, step in zip(panels, (0, len(trace) // 2, len(trace)), strict=True):
         enabled, _ = lines_of(axes)
         assert (enabled.get_array() == changes[step]).all()
-        assert enabled.norm(np.abs(changes).max()) == 1.0, "one scale for all three"
+        largest = np.abs(trace.weights).max()
+        assert enabled.norm(largest) == 1.0, "one scale for all three, that of the weights"
         assert f"(step {step})" in axes.get_title()
+    largest_change = f"{np.abs(changes).max():.2g}"
+    assert f"the largest change of a weight is {largest_change}," in figure.get_suptitle()
     assert len(below.axes) == plots, "thresholds only where the rule uses them"
     weight, reward = below.axes[:2]
     drawn = {tuple(line.get_ydata()) for line in weight.lines}

@@ -73,8 +73,15 @@ def convergence(
         axes[0, 0].set_ylabel("Best fitness (return)")
         axes[1, 0].set_ylabel("Final best fitness (return)")
         figure.align_ylabels(axes[:, 0])
-        handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=len(methods))
+        lines = {
+            label: line
+            for axis in axes[0]
+            for line, label in zip(*axis.get_legend_handles_labels(), strict=True)
+        }
+        shown = [label for label in map(method_label, methods) if label in lines]
+        figure.legend(
+            [lines[label] for label in shown], shown, loc="outside upper center", ncols=len(methods)
+        )
         explanation = (
             "Lines: means over seeds, bands: their 95% intervals, cut at the range of the runs. "
             "Boxes: quartiles, whiskers to 1.5 interquartile ranges; dots: single seeds."
@@ -171,14 +178,14 @@ def draw_curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked
     axis.plot(
         table.index,
         mean,
-        label=label,
+        label=label if values.size else None,
         color=style.colour,
         linestyle=style.line,
         marker=style.marker,
         markevery=_spaced(len(mean), marked),
     )
     if values.size:
-        low, high = mean_interval(values)
+        low, high = np.clip(mean_interval(values), values.min(), values.max())
         axis.fill_between(table.index, low, high, color=style.colour, alpha=0.15, linewidth=0)
 
 

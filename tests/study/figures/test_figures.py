@@ -113,6 +113,20 @@ def test_bands_end_at_the_range_of_the_runs() -> None:
     assert (low, high) == pytest.approx((-0.09, 3.09))
 
 
+def test_no_band_goes_beyond_the_runs() -> None:
+    """At a task's maximum a mean's interval must not be drawn above it."""
+    for band in draw_curves(curves(seeds=3)).axes[0].collections:
+        heights = band.get_paths()[0].vertices[:, 1]
+        assert heights.min() >= 0
+        assert heights.max() <= 6
+
+
+def test_only_lines_that_are_there_have_labels() -> None:
+    figure = draw_curves(curves().query("method == 'bcm'"))
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["BCM"]
+
+
 def test_every_seed_is_a_dot() -> None:
     dots = draw_curves(curves()).axes[1].collections
     assert sorted(dots[0].get_offsets()[:, 1]) == [4, 5, 6]
