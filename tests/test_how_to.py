@@ -78,7 +78,7 @@ def test_a_rule_in_the_repository(tmp_path: Path) -> None:
     copy_repository(tmp_path)
     (script,) = blocks("add-a-rule.md", "python")
     (function,) = re.findall(r"^@neol\.(rule\ndef .*?)^$", script, re.MULTILINE | re.DOTALL)
-    digest = "python -c 'from neol.base.kernel import source_digest; print(source_digest())'"
+    digest = "python -c 'from neol.base.kernel_cache import source_digest; print(source_digest())'"
     before = shell(digest, tmp_path, tmp_path)
     with (tmp_path / "neol" / "network" / "rules.py").open("a") as file:
         file.write(f"\n\n@{function}")

@@ -1,21 +1,32 @@
 """The cache of compiled kernels."""
 
+import errno
 import os
 import pwd
+import stat
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+from pickle import UnpicklingError
 
 import pytest
 
-from neol.base.kernel import UNUSED_SECONDS, _cache_folder, kernel, source_digest
+from neol.base.kernel import kernel
+from neol.base.kernel_cache import MARK, UNUSED_SECONDS, kernel_folder, source_digest
 
 COMPILE = (
     "import numba; from neol.network.forward import activate; activate(1.0, 0); "
     "print(numba.config.CACHE_DIR)"
 )
+
+
+def _name() -> str:
+    """The name of the folder that is chosen, without what chance makes of it."""
+    folder = kernel_folder()
+    assert folder is not None
+    return folder.name[: len("neol-kernels-")]
 
 
 def cache_of_a_process(**environment: str) -> Path:
@@ -42,7 +53,10 @@ def test_a_cache_that_cannot_be_written_is_made_elsewhere_and_found_again(tmp_pa
     blocked = tmp_path / "a file"
     blocked.touch()
     places = {
-        cache_of_a_process(NUMBA_CACHE_DIR=str(blocked), TMPDIR=str(tmp_path)) for _ in range(2)
+        cache_of_a_process(
+            NUMBA_CACHE_DIR=str(blocked), XDG_CACHE_HOME=str(blocked), TMPDIR=str(tmp_path)
+        )
+        for _ in range(2)
     }
     assert places == {tmp_path / f"neol-{os.getuid()}" / f"kernels-{source_digest()}"}
 
@@ -58,9 +72,69 @@ def test_a_cache_that_others_can_write_is_not_read(
         folder.chmod(mode)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    assert _cache_folder().name.startswith("neol-kernels-")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "no" / "such"))
+    (tmp_path / "no").touch()
+    assert _name() == "neol-kernels-"
     temporary.chmod(0o700)
-    assert _cache_folder() == temporary
+    assert kernel_folder() == temporary
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o707])
+def test_a_cache_whose_parent_others_can_write_is_not_read(
+    mode: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shared = tmp_path / "shared"
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(shared / "below"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    own = tmp_path / "home" / "neol" / f"kernels-{source_digest()}"
+    shared.mkdir()
+    shared.chmod(mode)
+    assert kernel_folder() == own
+    shared.chmod(mode | stat.S_ISVTX)
+    assert kernel_folder() == shared / "below" / own.name
+    assert stat.S_IMODE((shared / "below").stat().st_mode) == 0o700
+
+
+def test_a_link_to_a_folder_that_others_can_write_is_not_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "shared" / "below").mkdir(parents=True)
+    (tmp_path / "shared").chmod(0o777)
+    (tmp_path / "link").symlink_to(tmp_path / "shared" / "below")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "link"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    assert kernel_folder() == tmp_path / "home" / "neol" / f"kernels-{source_digest()}"
+
+
+def test_a_full_disk_costs_time_and_not_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", full)
+
+    @kernel
+    def treble(x: float) -> float:
+        """Three times as much."""
+        return 3 * x
+
+    assert treble(2.0) == 6.0
+    monkeypatch.setattr("neol.base.kernel_cache._make_private", full)
+    monkeypatch.setattr(tempfile, "mkdtemp", full)
+    assert kernel_folder() is None
+
+
+def test_a_damaged_cache_is_compiled_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    def damaged(*_: object) -> None:
+        raise UnpicklingError("invalid load key")
+
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.load", damaged)
+
+    @kernel
+    def quadruple(x: float) -> float:
+        """Four times as much."""
+        return 4 * x
+
+    assert quadruple(2.0) == 8.0
 
 
 def test_a_cache_of_another_user_is_not_read(
@@ -69,7 +143,7 @@ def test_a_cache_of_another_user_is_not_read(
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(os, "getuid", lambda: tmp_path.stat().st_uid + 1)
-    assert _cache_folder().name.startswith("neol-kernels-")
+    assert _name() == "neol-kernels-"
 
 
 def test_an_unknown_user_without_a_home_has_a_cache(
@@ -79,19 +153,25 @@ def test_an_unknown_user_without_a_home_has_a_cache(
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    assert _cache_folder().parent == tmp_path / f"neol-{os.getuid()}"
+    folder = kernel_folder()
+    assert folder is not None
+    assert folder.parent == tmp_path / f"neol-{os.getuid()}"
 
 
 @pytest.mark.slow
 def test_long_unused_caches_are_removed(tmp_path: Path) -> None:
-    old, recent = tmp_path / "kernels-old", tmp_path / "kernels-recent"
-    for folder in (old, recent):
+    old, recent, foreign = (tmp_path / f"kernels-{name}" for name in ("old", "recent", "foreign"))
+    for folder in (old, recent, foreign):
         folder.mkdir()
+        if folder != foreign:
+            (folder / MARK).touch()
     past = time.time() - UNUSED_SECONDS - 1
-    os.utime(old, (past, past))
+    for folder in (old, foreign):
+        os.utime(folder, (past, past))
     cache_of_a_process(NUMBA_CACHE_DIR=str(tmp_path))
     assert not old.exists()
     assert recent.exists()
+    assert foreign.exists()
 
 
 def test_a_kernel_keeps_its_plain_twin() -> None:

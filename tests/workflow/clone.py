@@ -10,7 +10,7 @@ from pathlib import Path
 
 from numba.core.caching import _CacheLocator
 
-from neol.base.kernel import _cache_folder
+from neol.base.kernel_cache import kernel_folder
 from neol.rollout.worlds.box2d.library import LIBRARY
 from neol.run.runner import run_block
 from neol.spec.configuration import ROOT
@@ -51,9 +51,11 @@ def _share_kernels(clone: Path) -> None:
     for source in sources:
         shutil.copystat(source, clone / source.relative_to(ROOT))
     subprocess.run(["git", "update-index", "-q", "--refresh"], cwd=clone)
+    kernels = kernel_folder()
+    assert kernels is not None
     for package in {source.parent for source in sources}:
         ours, its = (
-            _cache_folder() / _CacheLocator.get_suitable_cache_subpath(folder / "any.py")
+            kernels / _CacheLocator.get_suitable_cache_subpath(folder / "any.py")
             for folder in (package, clone / package.relative_to(ROOT))
         )
         ours.mkdir(exist_ok=True)
