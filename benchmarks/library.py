@@ -11,7 +11,6 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from benchmarks import peer
 from neol.neat.decoding import decode
 from neol.neat.genome import CONNECTION, NODE, Genome, Pool
 from neol.network.forward import Networks
@@ -26,6 +25,8 @@ Generation = tuple[float, float, int, float, float]
 
 def evolve(spec: RunSpec, engine: Engine) -> Iterator[Generation]:
     """A run of the library with a specification's constants, generation by generation."""
+    from benchmarks import peer
+
     environment = gymnasium.make(spec.task.environment)
     config = peer.configuration(spec, environment)
     environment.close()
