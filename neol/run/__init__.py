@@ -1,1 +1,1 @@
-"""A run: the generation loop, its checkpoints, and the record that it leaves."""
+"""Runs: the generation loop, checkpoints, and records."""

@@ -1,4 +1,4 @@
-"""Which runs there are: those of every record below a folder."""
+"""Catalogue of runs: those of all records below a folder."""
 
 from pathlib import Path
 
@@ -9,17 +9,17 @@ from neol.run.record_file import read_record, records_below
 
 
 def find_records(results: Path) -> list[str]:
-    """All finished records, as paths below the folder. Raises UserError where there is none."""
+    """Return all finished records as paths below the folder. Raises UserError if there is none."""
     found = [str(path.relative_to(results)) for path in records_below(results)]
     if not found:
-        raise UserError(f"{results}: holds no record; `snakemake records` makes the smallest ones")
+        raise UserError(f"{results}: contains no record; make some with `snakemake records`")
     return found
 
 
 def table_of_runs(results: Path) -> pd.DataFrame:
-    """A row for each run of all records: what it was, what it came to, what it cost.
+    """Return one row for each run of all records: its configuration, results and cost.
 
-    Raises UserError for a record that is damaged, or where there is none.
+    Raises UserError for a damaged record, or if there is none.
     """
     rows = []
     for name in find_records(results):

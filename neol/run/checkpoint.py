@@ -1,7 +1,7 @@
-"""Checkpoints: a run in progress as one file, from which it goes on bit for bit.
+"""Checkpoints: a run in progress as one file, from which it continues bit for bit.
 
-The file is an .npz without pickles: a structured array for each kind of thing, `LAYOUT`, the
-counters as JSON, and a digest over all of it.
+The file is an .npz without pickles: the structured arrays of `LAYOUT`, the counters as JSON, and a
+digest over all of it.
 """
 
 import hashlib
@@ -30,30 +30,30 @@ Arrays = dict[str, npt.NDArray[Any]]
 LAYOUT = {
     "genomes": np.dtype([("id", int), ("fitness", float), ("nodes", int), ("connections", int)]),
     "nodes": NODE,
-    "connections": repack_fields(CONNECTION),  # without padding, whose bytes would be any
+    "connections": repack_fields(CONNECTION),  # without padding, whose bytes are arbitrary
     "species": np.dtype(
         [("id", int), ("best_fitness", float), ("stagnant", int), ("members", int)]
     ),
     "members": np.dtype(int),
     "history": np.dtype(list(get_type_hints(Generation).items())),
 }
-"""Genomes are the population's, then the species' representatives. They say how many of the nodes
-and connections are theirs, species how many of the members."""
+"""Arrays of a checkpoint. Genomes are those of the population, then the representatives of species.
+Each genome has its numbers of nodes and connections, each species its number of members."""
 
 
 @dataclass(frozen=True, slots=True)
 class TimeSpent:
-    """What a run has spent so far, over all its resumptions."""
+    """Time that a run has taken so far, over all its resumptions."""
 
     wall_seconds: float = 0.0
     cpu_seconds: float = 0.0
-    """Of the process and its threads."""
+    """CPU time of the process and its threads."""
 
 
 def write_checkpoint(path: Path, evolution: Evolution, spent: TimeSpent) -> None:
     """Write a checkpoint of a run between two generations, atomically.
 
-    Raises UserError where it cannot be written.
+    Raises UserError if it cannot be written.
     """
     arrays = _pack(evolution, spent)
     arrays["seal"] = _seal(arrays)
@@ -63,9 +63,9 @@ def write_checkpoint(path: Path, evolution: Evolution, spent: TimeSpent) -> None
 
 
 def read_checkpoint(path: Path, spec: RunSpec) -> tuple[Evolution, TimeSpent]:
-    """The run that a checkpoint holds, and what it had spent.
+    """Read a run from a checkpoint, and the time that it has taken.
 
-    Raises UserError where the file is damaged, no checkpoint, or of another run.
+    Raises UserError if the file is damaged, not a checkpoint, or of another run.
     """
     content = read_bounded(path, MAX_BYTES)
     try:
@@ -78,8 +78,8 @@ def read_checkpoint(path: Path, spec: RunSpec) -> tuple[Evolution, TimeSpent]:
         if meta["format"] != FORMAT:
             raise ValueError(f"its format is {meta['format']!r}, not {FORMAT!r}")
         key = meta["trajectory_key"]
-    except Exception as error:  # whatever a foreign file makes a parser raise
-        raise _unusable(path, f"damaged or no checkpoint of neol's: {error}") from None
+    except Exception as error:  # a foreign file may make a parser raise anything
+        raise _unusable(path, f"damaged, or not a checkpoint of neol: {error}") from None
     if key != spec.trajectory_key():
         raise _unusable(path, "a checkpoint of another run: other constants or another seed")
     try:
@@ -89,15 +89,15 @@ def read_checkpoint(path: Path, spec: RunSpec) -> tuple[Evolution, TimeSpent]:
         raise _unusable(path, f"damaged: {error}") from None
     if evolution.generation > spec.generations:
         raise _unusable(
-            path, f"is at generation {evolution.generation}, {spec.generations} were asked for"
+            path, f"is at generation {evolution.generation}, beyond the last, {spec.generations}"
         )
     return evolution, spent
 
 
 def generations_done(path: Path) -> int:
-    """How many generations a checkpoint holds, by its history alone, which is not verified.
+    """Return the number of generations in a checkpoint, from its unverified history alone.
 
-    0 where there is none, or it cannot be read.
+    0 if there is no checkpoint, or it cannot be read.
     """
     try:
         with _opened(read_bounded(path, MAX_BYTES)) as file:
@@ -107,20 +107,20 @@ def generations_done(path: Path) -> int:
 
 
 def _opened(content: bytes) -> Any:
-    """An .npz file that is no larger unpacked than packed."""
+    """Open an .npz file whose arrays are stored without compression."""
     file = np.load(io.BytesIO(content), allow_pickle=False)
     if sum(member.file_size for member in file.zip.infolist()) > len(content):
-        raise ValueError("it would unpack to more than it is")
+        raise ValueError("it would unpack to more than its own size")
     return file
 
 
 def _unusable(path: Path, reason: str) -> UserError:
     line = " ".join(reason.split())[:300]
-    return UserError(f"{path}: {line}; remove it and the run starts anew")
+    return UserError(f"{path}: {line}; remove it to start the run again")
 
 
 def _seal(arrays: Arrays) -> npt.NDArray[np.uint8]:
-    """SHA-256 over names, types, shapes and contents: uint8[32]."""
+    """Return the SHA-256 over names, types, shapes and contents: uint8[32]."""
     digest = hashlib.sha256()
     for name in sorted(arrays):
         array = np.ascontiguousarray(arrays[name])
@@ -157,7 +157,7 @@ def _pack(evolution: Evolution, spent: TimeSpent) -> Arrays:
 
 
 def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
-    """The run that the arrays hold; any exception where they do not fit together."""
+    """Return the run in the arrays; raises any exception if they do not fit together."""
     for name in ("inputs", "outputs", *(key for key in meta if key.startswith("next_"))):
         if type(meta[name]) is not int or not 0 <= meta[name] < 2**62:
             raise ValueError(f"its {name} is {meta[name]!r}")
@@ -201,7 +201,7 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
 
 
 def _split(array: npt.NDArray[Any], counts: npt.NDArray[np.int64]) -> list[npt.NDArray[Any]]:
-    """Consecutive parts of an array, each of its own memory."""
+    """Copy consecutive parts of an array."""
     if (counts < 0).any() or counts.sum() != len(array):
         raise ValueError("counts do not fit")
     return [part.copy() for part in np.split(array, np.cumsum(counts)[:-1])]

@@ -22,7 +22,7 @@ from neol.spec.run_spec import RunSpec
 
 @dataclass(frozen=True, slots=True)
 class Generation:
-    """What one generation came to: a row of a record. Each value has its unit and its meaning."""
+    """Statistics of one generation: one row of a record. Each has its unit and its meaning."""
 
     generation: Annotated[int, "", "From 1."]
     best_fitness: Annotated[
@@ -56,22 +56,22 @@ class Generation:
 
 
 class State(NamedTuple):
-    """A run between two generations: a value that no further step changes."""
+    """A run between two generations, as an immutable value."""
 
     population: Population
-    """Evaluated; empty before the first generation."""
+    """Evaluated population; empty before the first generation."""
     species_set: SpeciesSet
     innovations: Innovations
     history: tuple[Generation, ...]
     digest: str
-    """Hex digest of the trajectory so far: each generation's networks, returns and steps."""
+    """Hex digest of the trajectory so far: networks, returns and steps of each generation."""
 
 
 @dataclass(slots=True)
 class Evolution:
-    """A run in progress. Its whole trajectory is a function of its spec.
+    """A run in progress; its trajectory is a function of its spec.
 
-    A step makes the next `state`: it reproduces (but for the first), evaluates and speciates.
+    A step makes the next `state`: it reproduces (except the first), evaluates and speciates.
     """
 
     spec: RunSpec
@@ -80,7 +80,7 @@ class Evolution:
 
     @classmethod
     def begin(cls, spec: RunSpec, inputs: int, outputs: int) -> "Evolution":
-        """A run before its first generation, for a task with so many inputs and outputs."""
+        """Return a run before its first generation, for networks of the task's size."""
         reproduction = Reproduction(inputs, outputs, spec.neat)
         innovations = reproduction.first_innovations()
         state = State(Population.of([]), SpeciesSet(), innovations, (), spec.trajectory_key())
@@ -88,23 +88,23 @@ class Evolution:
 
     @property
     def generation(self) -> int:
-        """Generations completed."""
+        """Number of completed generations."""
         return len(self.state.history)
 
     @property
     def finished(self) -> bool:
-        """Whether the generations, or the optional budget of environment steps, are used up."""
+        """Whether the last generation or the optional limit of environment steps is reached."""
         limit, history = self.spec.evaluation.step_limit, self.state.history
         used_up = limit is not None and bool(history) and history[-1].env_steps >= limit
         return self.generation >= self.spec.generations or used_up
 
     def run(self, engine: Engine) -> Iterator[Generation]:
-        """Go on to the end, generation by generation (Algorithm 1, lines 2-5)."""
+        """Continue to the end and yield each generation (Algorithm 1, lines 2-5)."""
         while not self.finished:
             yield self.step(engine)
 
     def step(self, engine: Engine) -> Generation:
-        """One generation: reproduce, evaluate, speciate."""
+        """Make one generation: reproduce, evaluate, speciate."""
         spec, history = self.spec, self.state.history
         population, species_set, innovations = self._reproduce()
         networks, gene = self._decode(population.pool)
@@ -121,14 +121,15 @@ class Evolution:
         return row
 
     def champion(self) -> Genome:
-        """A copy of the final population's best genome, the oldest of equals (Algorithm 1)."""
+        """Copy the final population's best genome, the oldest of equals (Algorithm 1)."""
         population = self.state.population
         return population[int(np.argmax(population.fitness))].copy()
 
     def held_out_returns(self, engine: Engine) -> npt.NDArray[np.float64]:
-        """The champion's returns in fresh episodes, plastic as in training: float64[episodes].
+        """Return the champion's returns in held-out episodes, float64[episodes].
 
-        Each episode starts from the champion's own weights, so each is a function of its seed.
+        It learns as in training. Each episode starts from the champion's own weights, so each
+        return is a function of its seed.
         """
         seeds = held_out_seeds(self.spec.seed, self.spec.evaluation.held_out_episodes)
         networks, _ = self._decode(Pool.of([self.champion()] * seeds.size))
@@ -138,7 +139,7 @@ class Evolution:
         return returns
 
     def _reproduce(self) -> tuple[Population, SpeciesSet, Innovations]:
-        """The next generation's genomes, the species that are left, the numbers given out."""
+        """Return the next generation's genomes, the remaining species and the used numbers."""
         seed, (population, species_set, innovations, *_) = self.spec.seed, self.state
         if self.generation == 0:
             random = generator(seed, Stream.INITIAL)
@@ -150,7 +151,7 @@ class Evolution:
         return children, left, innovations
 
     def _episode_seeds(self) -> npt.NDArray[np.uint64]:
-        """Environment seeds of the next generation: uint64[P, N]."""
+        """Return the environment seeds of the next generation: uint64[P, N]."""
         size, episodes = self.spec.population, self.spec.evaluation.episodes
         if self.spec.evaluation.episode_seed == "fixed":
             return np.tile(np.arange(episodes, dtype=np.uint64), (size, 1))
@@ -165,11 +166,10 @@ COLUMNS = tuple(column.name for column in fields(Generation))
 
 
 def finite_fitness(rollouts: Rollouts, fallback: float) -> npt.NDArray[np.float64]:
-    """Mean return of each network (Algorithm 2, line 16), float64[P].
+    """Return the mean return of each network (Algorithm 2, line 16), float64[P].
 
-    A failed evaluation gets the next number below the lowest fitness that another one of its
-    generation came to: the worst, but no outlier that would decide how species share. Where all
-    failed there is nothing to be below, and all get `fallback`.
+    A failed evaluation gets the next number below the generation's lowest finite fitness: ranked
+    last, but not an outlier that would distort fitness sharing. If all failed, all get `fallback`.
     """
     fitness: npt.NDArray[np.float64] = rollouts.returns.mean(axis=1)
     if not rollouts.failed.any():
@@ -181,7 +181,7 @@ def finite_fitness(rollouts: Rollouts, fallback: float) -> npt.NDArray[np.float6
 
 
 def keep_inherited_where_failed(networks: Networks, rollouts: Rollouts) -> npt.NDArray[np.float64]:
-    """The learned weights, float64[E], but for failed networks those that they began with."""
+    """Return the learned weights, float64[E]; failed networks keep their inherited weights."""
     if not rollouts.failed.any():
         return rollouts.weight
     failed = np.repeat(rollouts.failed, np.diff(networks.edge_bounds))
@@ -219,7 +219,7 @@ def _statistics(
 
 
 def _chain(digest: str, networks: Networks, rollouts: Rollouts) -> str:
-    """The trajectory's digest after one more generation."""
+    """Return the trajectory's digest after one more generation."""
     chain = hashlib.sha256(digest.encode())
     for array in (
         networks.node_offset,

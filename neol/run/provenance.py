@@ -1,4 +1,4 @@
-"""Where a result comes from: versions, commit, machine and time. Nothing of it is in a digest."""
+"""Provenance of a result: versions, commit, machine and time; no digest includes it."""
 
 import importlib.metadata
 import os
@@ -13,34 +13,34 @@ from neol.spec.types import Model
 
 PACKAGES = ("numpy", "numba", "gymnasium", "mujoco", "box2d", "neol")
 CODE = ("neol", "config", "environment.lock")
-"""What runs are made with, from the root of the checkout."""
+"""Files that runs are made with, from the root of the checkout."""
 ASKING_PACKAGE = "NEOL_PACKAGE"
-"""The environment variable in which the workflow names the package that it runs."""
+"""Environment variable in which the workflow names the package that it runs."""
 
 
 class Provenance(Model):
-    """What made a run, apart from its specification."""
+    """Provenance of a run, apart from its specification."""
 
     versions: dict[str, str | None]
-    """Of Python and the packages that numbers depend on; null where one is not installed."""
+    """Versions of Python and the packages that numbers depend on; null if not installed."""
     commit: str | None
-    """The checkout's when the first run of the process began; null outside one."""
+    """Commit of the checkout when the process's first run began; null outside a checkout."""
     dirty: bool | None
-    """Whether code or configuration differed from that commit then."""
+    """Whether code or configuration differed from that commit at that time."""
     host: str
     platform: str
     cpu: str
     libc: str
     time: str
-    """When the run finished: UTC, ISO 8601."""
+    """End of the run: UTC, ISO 8601."""
 
     def code(self, digits: int | None = None) -> str:
-        """The commit, so many digits of it; with -dirty where code or constants differed."""
+        """Return the commit's first digits, with -dirty if code or constants differed."""
         return describe_checkout(self.commit, self.dirty, digits)
 
 
 def provenance() -> Provenance:
-    """Of a run that finishes now, in this process."""
+    """Return the provenance of a run that has just finished in this process."""
     commit, dirty = checkout()
     return Provenance(
         versions={"python": platform.python_version(), **{p: package_version(p) for p in PACKAGES}},
@@ -55,7 +55,7 @@ def provenance() -> Provenance:
 
 
 def package_version(package: str) -> str | None:
-    """Of an installed package; None where it is not installed."""
+    """Return the version of an installed package; None if it is not installed."""
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
@@ -63,18 +63,16 @@ def package_version(package: str) -> str | None:
 
 
 def describe_checkout(commit: str | None, dirty: bool | None, digits: int | None = None) -> str:
-    """As Git's own `describe` has it: the commit, and -dirty where what is looked at differed."""
+    """Return the commit's first digits, with -dirty for changes, in the style of `git describe`."""
     return f"{(commit or 'unknown')[:digits]}{'-dirty' if dirty else ''}"
 
 
 @cache
 def checkout(*further: str) -> tuple[str | None, bool | None]:
-    """The commit that this file is tracked in, and whether code or constants differ from it.
+    """Return the commit of this checkout, and whether code, constants or `further` paths differ.
 
-    Or what else is named, by its path from the root.
-
-    As they were at the first call of the process, which is for the first run to make when it
-    begins: a run takes hours, and what is committed or edited meanwhile is not what it runs.
+    Paths count from the root. Both values are those of the process's first call, which the first
+    run makes when it begins: a run takes hours and does not use what is edited meanwhile.
     """
     try:
         git("ls-files", "--error-unmatch", "neol/run/provenance.py")
@@ -86,27 +84,27 @@ def checkout(*further: str) -> tuple[str | None, bool | None]:
 
 
 def this_package() -> Path:
-    """The folder of the neol that runs."""
+    """Return the folder of the running neol."""
     return Path(__file__).resolve().parents[1]
 
 
 def refuse_another_package() -> None:
-    """Raise UserError where the workflow that started this process runs another neol.
+    """Raise UserError if the workflow that started this process runs another neol.
 
-    A notebook's kernel may be of another Python, with another installation.
+    A notebook's kernel may belong to another Python, with another installation.
     """
     asking = os.environ.get(ASKING_PACKAGE)
     if asking not in (None, str(this_package())):
         raise UserError(
-            f"{this_package()}: not the neol that asks, {asking}; "
-            f"install ipykernel beside that, or say PYTHONPATH={Path(asking).parent}"
+            f"{this_package()}: not the workflow's neol, {asking}; "
+            f"install ipykernel beside that, or set PYTHONPATH={Path(asking).parent}"
         )
 
 
 def git(*arguments: str) -> str:
-    """What git says of the checkout that this package lies in.
+    """Return the output of git in the checkout of this package.
 
-    Raises OSError or subprocess.CalledProcessError where there is no git or no checkout.
+    Raises OSError or subprocess.CalledProcessError without git or a checkout.
     """
     # By default Git refuses a checkout of another user, whose code is running here anyway.
     folder = str(this_package().parent)

@@ -1,4 +1,4 @@
-"""What a block of a cell's runs leaves behind: their rows, champions and held-out episodes."""
+"""The record of a block of runs: their rows, champions and held-out episodes."""
 
 import statistics
 from collections.abc import Iterable, Sequence
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 
 class Champion(Model):
-    """The best genome of the final population; its weights are learned ones with write-back."""
+    """The best genome of the final population; with write-back its weights are learned ones."""
 
     id: int
     fitness: float
     nodes: tuple[tuple[int, float], ...]
-    """(id, bias), outputs first."""
+    """Nodes as (id, bias), outputs first."""
     connections: tuple[tuple[int, int, int, float, bool], ...]
-    """(innovation, source, target, weight, enabled)."""
+    """Connections as (innovation, source, target, weight, enabled)."""
 
     @classmethod
     def of(cls, genome: Genome) -> Self:
-        """The stored form of a genome; all floats exact."""
+        """Return the stored form of a genome; all floats are exact."""
         return cls(
             id=genome.id,
             fitness=genome.fitness,
@@ -41,7 +41,7 @@ class Champion(Model):
         )
 
     def genome(self) -> Genome:
-        """The genome, bit for bit."""
+        """Return the genome, bit for bit."""
         return Genome(
             self.id,
             np.array(list(self.nodes), dtype=NODE),
@@ -51,18 +51,18 @@ class Champion(Model):
 
 
 class HeldOut(Model):
-    """The champion's returns in fresh episodes."""
+    """The champion's returns in held-out episodes."""
 
     returns: tuple[float | None, ...]
-    """Null where an episode failed."""
+    """Return of each episode; null where it failed."""
     mean: float | None
-    """Over the episodes that did not fail."""
+    """Mean over the episodes that did not fail."""
     sd: float | None
-    """Of the same (ddof = 1); null with fewer than two."""
+    """Standard deviation over these episodes (ddof = 1); null with fewer than two."""
 
     @classmethod
     def of(cls, returns: npt.NDArray[np.float64]) -> Self:
-        """The stored form of returns, float64[episodes], NaN where an episode failed."""
+        """Return the stored form of returns, float64[episodes], NaN where an episode failed."""
         finite = returns[np.isfinite(returns)].tolist()
         return cls(
             returns=tuple(value if np.isfinite(value) else None for value in returns.tolist()),
@@ -72,77 +72,77 @@ class HeldOut(Model):
 
 
 class SeedInfo(Model):
-    """What a record knows of one run beside its rows."""
+    """Results and provenance of one run, without its rows."""
 
     seed: int
     digest: Sha256
-    """Of the trajectory: every generation's networks, returns and steps; no time, no host."""
+    """Digest of the trajectory (networks, returns, steps of each generation); no time, no host."""
     inputs: int
     outputs: int
     champion: Champion
     held_out: HeldOut
     engine: Name
-    """Which engine played the episodes; all return the same bits."""
+    """Engine that played the episodes; all return the same bits."""
     wall_seconds: NonNegativeFloat
     cpu_seconds: NonNegativeFloat
-    """Of the process and its threads, not of worker processes."""
+    """CPU time of the process and its threads, without worker processes."""
     provenance: Provenance
 
 
 def campaign_name(reading: str | None, budget: str) -> str:
-    """How a campaign is called, and its folder below results/: first/demo."""
+    """Return a campaign's name, which is its folder below results/: first/demo."""
     return f"{reading}/{budget}"
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A block of runs that differ in their seeds only."""
+    """A block of runs that differ only in their seeds."""
 
     spec: RunSpec
-    """With the seed of the first run; `spec_of` gives the others'."""
+    """Specification with the seed of the first run; `spec_of` returns that of any run."""
     budget: str | None
-    """The budget that the constants come from; None for config/base.yaml alone."""
+    """Budget of the constants; None for config/base.yaml alone."""
     reading: str | None
-    """The label of the reading that they come from; None where none was chosen."""
+    """Label of the reading of the constants; None if none was chosen."""
     table: pa.Table
-    """`SCHEMA`, sorted by seed and generation."""
+    """Rows with the columns of `SCHEMA`, sorted by seed and generation."""
     seeds: tuple[SeedInfo, ...]
-    """By seed."""
+    """Results of each run, sorted by seed."""
 
     @property
     def campaign(self) -> str | None:
-        """The campaign that it is part of, such as first/demo; None where it is of no budget."""
+        """Campaign of the record, such as first/demo; None without a budget."""
         return None if self.budget is None else campaign_name(self.reading, self.budget)
 
     def frame(self) -> "pd.DataFrame":
-        """The rows as a data frame.
+        """Return the rows as a data frame.
 
-        Without Arrow's threads, here as where a record is read: now and then one of them is still
-        there when Python ends, and aborts it (apache/arrow#34314).
+        Arrow's threads are off, here and in reading: sometimes one still runs when Python ends,
+        and aborts it (apache/arrow#34314).
         """
         frame: pd.DataFrame = self.table.to_pandas(use_threads=False)
         return frame
 
     def spec_of(self, seed: int) -> RunSpec:
-        """The specification of one of the runs."""
+        """Return the specification of one run."""
         return self.spec.model_copy(update={"seed": seed})
 
     def info(self, seed: int) -> SeedInfo:
-        """What there is of one of the runs. Raises UserError for a seed that is not there."""
+        """Return the results of one run. Raises UserError for a missing seed."""
         for info in self.seeds:
             if info.seed == seed:
                 return info
-        there = ", ".join(str(info.seed) for info in self.seeds)
-        raise UserError(f"has no seed {seed}; it holds {there}")
+        known = ", ".join(str(info.seed) for info in self.seeds)
+        raise UserError(f"has no seed {seed}; its seeds are {known}")
 
     def rows_of(self, seed: int) -> dict[str, npt.NDArray[Any]]:
-        """The columns of one of the runs, a value each generation."""
+        """Return the columns of one run, with one value for each generation."""
         mine = column_values(self.table, "seed") == seed
         return {name: column_values(self.table, name)[mine] for name in COLUMNS}
 
 
 def join(records: Iterable[Record]) -> Record:
-    """One record of the runs of several, which share a specification and a budget."""
+    """Join records that share a specification and a budget into one."""
     records = sorted(records, key=lambda record: record.seeds[0].seed)
     first = records[0]
     assert {record.spec.digest() for record in records} == {first.spec.digest()}
@@ -162,7 +162,7 @@ DOCUMENTATION: dict[str, tuple[str, str]] = {
     "seed": ("", "The run's seed."),
     **{name: value.__metadata__ for name, value in _VALUES.items()},
 }
-"""Each column's unit and meaning."""
+"""Unit and meaning of each column."""
 
 
 _INTEGERS = {"seed"} | {name for name, value in _VALUES.items() if value.__origin__ is int}
@@ -182,7 +182,7 @@ SCHEMA = pa.schema(
 
 
 def describe_columns() -> str:
-    """The columns as a Markdown table."""
+    """Return the columns as a Markdown table."""
 
     def cell(text: str) -> str:
         return text.replace("|", "\\|") or "-"
@@ -195,7 +195,7 @@ def describe_columns() -> str:
 
 
 def history_table(seed: int, history: Sequence[Generation]) -> pa.Table:
-    """A run's rows."""
+    """Return a run's rows."""
     columns = {name: [getattr(row, name) for row in history] for name in COLUMNS}
     columns["seed"] = [seed] * len(history)
     return pa.Table.from_arrays(
@@ -209,7 +209,7 @@ def _array(values: list[float], kind: pa.DataType) -> pa.Array:
 
 
 def column_values(table: pa.Table, column: str) -> npt.NDArray[Any]:
-    """One of the columns, int64[rows] or float64[rows]."""
+    """Return a column, int64[rows] or float64[rows]."""
     array = table[column].combine_chunks()
     kind = np.dtype(array.type.to_pandas_dtype())
     return np.frombuffer(array.buffers()[1], kind, len(array), array.offset * kind.itemsize)

@@ -1,7 +1,7 @@
-"""Records as files: Parquet that vouches for itself.
+"""Records as files: Parquet with a digest of its content.
 
-Rows are generations, one per seed. The file's metadata hold, under the key "neol", a JSON of class
-`RecordMetadata`, and under "neol_digest" the SHA-256 over that JSON and all columns.
+There is one row for each seed and generation. The file's metadata hold, under the key "neol", JSON
+of class `RecordMetadata`, and under "neol_digest" the SHA-256 over that JSON and all columns.
 """
 
 import hashlib
@@ -35,17 +35,17 @@ class RecordMetadata(Model):
 
     schema_version: int
     spec: dict[str, Any]
-    """The resolved `RunSpec` without its seed."""
+    """Resolved `RunSpec` without its seed."""
     spec_digest: str
-    """SHA-256 in hex of that as canonical JSON."""
+    """SHA-256 in hex of `spec` as canonical JSON."""
     budget: Name | None
     reading: Label | None = FIRST_READING
-    """Left out by records that are older than readings."""
+    """Label of the reading; missing in records that are older than readings."""
     seeds: tuple[SeedInfo, ...]
 
 
 def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> None:
-    """Write a record, as `write_atomically` does. Raises UserError where it cannot be written."""
+    """Write a record by `write_atomically`. Raises UserError if it cannot be written."""
     metadata = RecordMetadata(
         schema_version=SCHEMA_VERSION,
         spec=record.spec.without_seed(),
@@ -65,18 +65,18 @@ def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> 
 
 
 def read_record(path: Path, spec: RunSpec | None = None) -> Record:
-    """A record that is whole, and of the specification that is expected (its seed aside).
+    """Read and verify a record; `spec` is its expected specification, apart from the seed.
 
-    Raises UserError, one line with the file and the way out, for any other file.
+    Raises UserError for any other file: one line with the file and how to fix it.
     """
     return parse_record(path, read_bounded(path, MAX_RECORD_BYTES), spec)
 
 
 def parse_record(path: Path, content: bytes, spec: RunSpec | None = None) -> Record:
-    """The record that a file's content is, as by `read_record`; the path is for the error."""
+    """Parse a file's content as `read_record` does; the path is for the error message."""
     try:
         text, table = _parse(content)
-    except Exception as error:  # whatever a foreign file makes a parser raise
+    except Exception as error:  # a foreign file may make a parser raise anything
         raise _no_record(path, error) from None
     stored = _stored_spec(path, text)
     if spec is not None and (difference := first_difference(stored, spec)):
@@ -91,23 +91,23 @@ def parse_record(path: Path, content: bytes, spec: RunSpec | None = None) -> Rec
 
 
 def records_below(folder: Path) -> Iterator[Path]:
-    """The records in a folder and those below it, sorted; work in progress left out."""
+    """Yield the records in a folder and below it, sorted, without work in progress."""
     for path in sorted(files_below(folder, "*.parquet"), key=Path.as_posix):
         if not any(part.endswith(".partial") for part in path.relative_to(folder).parts[:-1]):
             yield path
 
 
 def read_spec(path: Path) -> dict[str, Any]:
-    """The specification, without its seed, that a record's footer states, in a millisecond.
+    """Return the specification (without seed) in a record's footer; takes a millisecond.
 
-    Neither rows nor digests are looked at: `read_record` does that. Raises UserError for what is
-    no record of this version.
+    It checks neither rows nor digests; `read_record` does. Raises UserError for a file that is not
+    a record of this version.
     """
     return _stored_spec(path, _footer(path))
 
 
 def read_footer(path: Path) -> RecordMetadata:
-    """All that a record's footer states, unverified, as by `read_spec`."""
+    """Return the metadata in a record's footer, unverified, as `read_spec` does."""
     text = _footer(path)
     _stored_spec(path, text)
     try:
@@ -117,7 +117,7 @@ def read_footer(path: Path) -> RecordMetadata:
 
 
 def first_difference(stored: dict[str, Any], expected: RunSpec) -> str | None:
-    """Where a stored specification differs from another (seeds aside); None where they agree."""
+    """Return the first difference between a stored and an expected specification, or None."""
     there, here = by_dotted_key(complete(stored)), by_dotted_key(complete(expected.without_seed()))
     for key in sorted(there.keys() | here.keys()):
         old = repr(there[key]) if key in there else "missing"
@@ -135,12 +135,12 @@ def _stored_spec(path: Path, text: bytes) -> dict[str, Any]:
         raise _no_record(path, error) from None
     if version != SCHEMA_VERSION:
         reason = f"its schema version is {version!r}, this neol reads {SCHEMA_VERSION}"
-        raise _unusable(path, reason, "read it with the neol that wrote it, or run anew")
+        raise _unusable(path, reason, "read it with the neol that wrote it, or run again")
     return spec
 
 
 def _footer(path: Path) -> bytes:
-    """The metadata's JSON; nothing else of the file is read."""
+    """Return the metadata's JSON; the rest of the file is not read."""
     with open_regular(path) as file:
         try:
             return _text(pq.read_metadata(file))
@@ -149,23 +149,23 @@ def _footer(path: Path) -> bytes:
 
 
 def _no_record(path: Path, error: Exception) -> UserError:
-    return _unusable(path, f"damaged or no record of neol's: {error}")
+    return _unusable(path, f"damaged, or not a record of neol: {error}")
 
 
 def _unusable(
-    path: Path, reason: str, way_out: str = "restore it, or remove it and run anew"
+    path: Path, reason: str, way_out: str = "restore it, or remove it and run again"
 ) -> UserError:
     return UserError(f"{path}: {' '.join(reason.split())[:300].rstrip('.')}; {way_out}")
 
 
 def _parse(content: bytes) -> tuple[bytes, pa.Table]:
-    """The metadata's JSON and the rows, vouched for by their digest."""
+    """Return the metadata's JSON and the rows, verified by their digest."""
     file = pq.ParquetFile(pa.BufferReader(content))
     text = _text(file.metadata)
     if not file.schema_arrow.equals(SCHEMA):
-        raise ValueError("its columns are others")
-    if file.metadata.num_rows > min(MAX_ROWS, len(content)):  # a row takes more than a byte
-        raise ValueError("it would unpack to far more than it is")
+        raise ValueError("unexpected columns")
+    if file.metadata.num_rows > min(MAX_ROWS, len(content)):  # every row takes more than a byte
+        raise ValueError("it would unpack to far more than its own size")
     table = file.read(use_threads=False).combine_chunks()
     if _digest(text, table).encode() != file.metadata.metadata.get(b"neol_digest"):
         raise ValueError("its content does not match its digest")
@@ -181,7 +181,7 @@ def _text(footer: pq.FileMetaData) -> bytes:
 
 
 def _validated(text: bytes, table: pa.Table) -> Record:
-    """The record, if rows and metadata tell the same story."""
+    """Return the record. Raises ValueError if rows and metadata do not agree."""
     metadata = RecordMetadata.model_validate_json(text)
     spec = RunSpec.model_validate_json(
         pydantic_core.to_json({**metadata.spec, "seed": metadata.seeds[0].seed})
@@ -209,12 +209,12 @@ def _validated(text: bytes, table: pa.Table) -> Record:
         check_genome(info.champion.genome(), info.inputs, info.outputs)
         begin = end
     if begin != len(seeds) or len({info.seed for info in metadata.seeds}) < len(metadata.seeds):
-        raise ValueError("rows and metadata speak of different seeds")
+        raise ValueError("rows and metadata list different seeds")
     return record
 
 
 def _digest(text: bytes, table: pa.Table) -> str:
-    """SHA-256 in hex over the metadata's JSON and the columns, in the schema's order."""
+    """Return the SHA-256 in hex over the metadata's JSON and the columns, in the schema's order."""
     digest = hashlib.sha256(text)
     for name in SCHEMA.names:
         digest.update(column_values(table, name).data)

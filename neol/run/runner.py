@@ -1,7 +1,7 @@
-"""Runs: one seed from start to champion, and a block of seeds into one record.
+"""Runner: one seed from its start to its champion, and a block of seeds into one record.
 
 While a block runs, `<output>.partial/` holds a record for each finished seed and a checkpoint of
-the one in progress; at the end `<output>` takes its place.
+the seed in progress; at the end `<output>` replaces it.
 """
 
 import contextlib
@@ -27,20 +27,20 @@ from neol.spec.run_spec import RunSpec
 from neol.spec.types import LARGEST_SEED
 
 OnGeneration = Callable[[int, Generation], None]
-"""Told the seed and each generation that is done."""
+"""Callback that gets the seed and each completed generation."""
 
 
 @dataclass(frozen=True, slots=True)
 class SeedResult:
-    """What one run came to."""
+    """Result of one run."""
 
     spec: RunSpec
     history: tuple[Generation, ...]
     champion: Genome
     held_out_returns: npt.NDArray[np.float64]
-    """float64[episodes]: NaN where an episode failed."""
+    """float64[episodes], NaN where an episode failed."""
     digest: str
-    """Of the trajectory."""
+    """Digest of the trajectory."""
     inputs: int
     outputs: int
     engine: str
@@ -55,11 +55,11 @@ def run_seed(
     checkpoint_every: int = 10,
     on_generation: OnGeneration | None = None,
 ) -> SeedResult:
-    """Run one seed to its end, from its checkpoint where that exists.
+    """Run one seed to its end, from its checkpoint if there is one.
 
-    Checkpoints are written after every `checkpoint_every` generations and, whatever ends the run
-    early, for the last generation that was completed. Raises UserError where the environment
-    misbehaves, and where all evaluations of the run failed.
+    Checkpoints are written after every `checkpoint_every` generations, and for the last completed
+    generation if the run ends early for any reason. Raises UserError if the environment
+    misbehaves, or if all evaluations of the run failed.
     """
     if checkpoint is not None and checkpoint.exists():
         evolution, spent = read_checkpoint(checkpoint, spec)
@@ -130,12 +130,12 @@ def run_block(
     reading: str | None = None,
     on_generation: OnGeneration | None = None,
 ) -> Record:
-    """Run a specification with several seeds (its own is left aside) and write their record.
+    """Run a specification with several seeds (its own is not used) and write their record.
 
-    With `resume`, finished seeds and checkpoints of an earlier attempt are used, a complete
-    record is returned as it is, and another process at the same output is waited for; without it,
-    none of these may be there. With `keep_partial`, the records of the single seeds stay.
-    Raises UserError where something is in the way, before anything is simulated.
+    With `resume`, finished seeds and checkpoints of an earlier attempt are used, a complete record
+    is returned unchanged, and the call waits for another process at the same output; without it,
+    each of these is an error. With `keep_partial`, the records of the single seeds are kept.
+    Raises UserError for an obstacle, before anything is simulated.
     """
     checkout()
     seeds = _distinct(seeds)
@@ -149,7 +149,7 @@ def run_block(
         if record is None:
             if any(workspace.glob("seed_*")) and not resume:
                 raise UserError(
-                    f"{workspace}: holds an interrupted run; go on with --resume, or remove it"
+                    f"{workspace}: has an interrupted run; continue with --resume, or remove it"
                 )
             _refuse_other_work(workspace, spec, seeds)
             with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
@@ -178,10 +178,10 @@ def evolve(
     workers: int = 1,
     on_generation: OnGeneration | None = None,
 ) -> Record:
-    """Run a specification, with other seeds than its own or not, and keep the record in memory.
+    """Run a specification with its own seed or the given ones, and keep the record in memory.
 
-    `run_block` is for runs that may be interrupted. Raises UserError for an impossible task, for
-    no seed at all, for a seed that is named twice and for one that no run has.
+    Use `run_block` for runs that may be interrupted. Raises UserError for an impossible task, an
+    empty list of seeds, a repeated seed and one out of range.
     """
     checkout()
     seeds = _distinct([spec.seed] if seeds is None else seeds)
@@ -192,11 +192,11 @@ def evolve(
 
 
 def _complete(output: Path, spec: RunSpec, seeds: Sequence[int], resume: bool) -> Record | None:
-    """The record that is there, which only `resume` allows, or None."""
+    """Return the existing record, or None. Raises UserError for one without `resume`."""
     if not output.exists():
         return None
     if not resume:
-        raise UserError(f"{output}: exists already; remove it or choose another output")
+        raise UserError(f"{output}: already exists; remove it or choose another output")
     return _same_seeds(read_record(output, spec), seeds, output)
 
 
@@ -209,7 +209,7 @@ def _seed_record(
     reading: str | None,
     on_generation: OnGeneration | None,
 ) -> Record:
-    """The record of one seed: the finished one that is there, or a new one."""
+    """Return the record of one seed: the finished one if it exists, otherwise a new one."""
     finished = finished_path(workspace, spec.seed)
     checkpoint = checkpoint_path(workspace, spec.seed)
     if finished.exists():
@@ -246,10 +246,10 @@ def _record_of(result: SeedResult, budget: str | None, reading: str | None) -> R
 
 
 def _distinct(seeds: Sequence[int]) -> list[int]:
-    """In order. Raises UserError where there is none, one twice, or one that no run has."""
+    """Sort seeds. Raises UserError for an empty list, a repeated seed and one out of range."""
     ordered = sorted(map(int, seeds))
     if not ordered or len(set(ordered)) < len(ordered):
-        raise UserError(f"seeds {ordered}: give at least one, and none twice")
+        raise UserError(f"seeds {ordered}: give at least one, each once")
     if not 0 <= ordered[0] <= ordered[-1] <= LARGEST_SEED:
         raise UserError(f"seeds {ordered}: give integers from 0 to {LARGEST_SEED}")
     return ordered
@@ -260,14 +260,14 @@ def _refuse_other_work(workspace: Path, spec: RunSpec, seeds: Sequence[int]) -> 
     others = sorted({path.stem for path in workspace.glob("seed_*")} - ours)
     if others:
         raise UserError(
-            f"{workspace}: holds work of {others[0]}, which is not among the seeds asked for; "
+            f"{workspace}: contains {others[0]}, which is not among the requested seeds; "
             "resume with all its seeds, or remove it"
         )
     for path in sorted(workspace.glob("seed_*.parquet")):
         if difference := first_difference(read_spec(path), spec):
             raise UserError(
                 f"{path}: of another specification: {difference}; "
-                f"set that back, or remove {workspace}"
+                f"restore that value, or remove {workspace}"
             )
 
 
@@ -275,7 +275,7 @@ def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:
     found = [info.seed for info in record.seeds]
     if found != sorted(seeds):
         raise UserError(
-            f"{path}: holds the seeds {found}, not {sorted(seeds)}; "
+            f"{path}: contains seeds {found}, not {sorted(seeds)}; "
             "remove it or choose another output"
         )
     return record

@@ -1,6 +1,6 @@
-"""The folder beside an output that holds what a block has until the output is complete.
+"""Workspace of a block: the folder beside an output that holds its parts until it is complete.
 
-One process claims it at a time.
+Only one process at a time can claim it.
 """
 
 import contextlib
@@ -19,31 +19,31 @@ from neol.base.interruption import stop_if_asked
 
 
 def partial_folder(output: Path) -> Path:
-    """Where a block keeps what it has."""
+    """Return the workspace of an output."""
     return output.with_name(f"{output.name}.partial")
 
 
 def finished_path(workspace: Path, seed: int) -> Path:
-    """Where the record of a finished seed lies."""
+    """Return the path of a finished seed's record."""
     return workspace / f"seed_{seed:06}.parquet"
 
 
 def checkpoint_path(workspace: Path, seed: int) -> Path:
-    """Where the checkpoint of a seed that is under way lies."""
+    """Return the path of an unfinished seed's checkpoint."""
     return finished_path(workspace, seed).with_suffix(".npz")
 
 
 def remove_if_complete(output: Path) -> None:
-    """Remove the folder of an output that is there."""
+    """Remove the workspace of an output that exists."""
     if output.exists():
         shutil.rmtree(partial_folder(output), ignore_errors=True)
 
 
 @contextlib.contextmanager
 def claim(output: Path, *, wait: bool, keep: bool = False) -> Iterator[Path]:
-    """Make the folder beside an output and hold it against other processes.
+    """Make an output's workspace and lock it against other processes.
 
-    It goes with the claim where it holds no work, or the output is complete and it need not `keep`.
+    At the end it is removed if it holds no work, or if the output is complete and `keep` is false.
     """
     workspace = partial_folder(output)
     lock = workspace / "lock"
@@ -70,26 +70,26 @@ def claim(output: Path, *, wait: bool, keep: bool = False) -> Iterator[Path]:
 
 
 def _lock(file: IO[str], workspace: Path, wait: bool) -> None:
-    """Lock a file. The lock is the kernel's: it ends with the process, whatever ends that."""
+    """Lock a file by the operating system, which releases the lock when the process ends."""
     for attempt in itertools.count(1):
         stop_if_asked()
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            if attempt == 4:  # before that it may be `is_running`, which holds it for an instant
+            if attempt == 4:  # `is_running` may hold the lock for an instant
                 line = f"{workspace}: another process is running this"
                 if not wait:
                     raise UserError(f"{line}; wait for it or choose another output") from None
                 print(f"{NOTICE}{line}; waiting for it", file=sys.stderr, flush=True)
             time.sleep(0.05)
         except OSError:
-            return  # a file system without locks
+            return  # the file system has no locks
         else:
             return
 
 
 def _is(file: IO[str], path: Path) -> bool:
-    """Whether a path still leads to an open file."""
+    """Whether a path still names an open file."""
     try:
         return os.path.samestat(os.fstat(file.fileno()), path.stat())
     except FileNotFoundError:
@@ -97,7 +97,7 @@ def _is(file: IO[str], path: Path) -> bool:
 
 
 def is_running(workspace: Path) -> bool:
-    """Whether a process holds a block's folder; one that works where locks are missing does not."""
+    """Whether a process has locked a workspace; always false on a file system without locks."""
     try:
         with (workspace / "lock").open() as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)

@@ -61,7 +61,7 @@ def test_a_champion_is_found_by_its_seed(record_of: MakeRecord) -> None:
     assert load_champion(record).spec.seed == 3
     assert load_champion(record, 4).spec.seed == 4
     assert load_champion(record, 4).held_out_seeds != load_champion(record, 3).held_out_seeds
-    with pytest.raises(UserError, match="has no seed 5; it holds 3, 4"):
+    with pytest.raises(UserError, match="has no seed 5; its seeds are 3, 4"):
         load_champion(record, 5)
 
 

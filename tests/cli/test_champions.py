@@ -206,7 +206,7 @@ def test_the_examples_of_the_help_work(command: str, tmp_path: Path) -> None:
     ("arguments", "line"),
     [
         ("replay none.parquet", "none.parquet: cannot be read (No such file"),
-        ("replay a.parquet --seed 9", "a.parquet: has no seed 9; it holds 3, 4"),
+        ("replay a.parquet --seed 9", "a.parquet: has no seed 9; its seeds are 3, 4"),
         ("replay a.parquet --first 3", "a.parquet: has no held-out episode 3; they are 0 to 2"),
         ("replay a.parquet --episodes 0", "Invalid value for '--episodes'"),
         ("replay a.parquet --gif a.png", "a.png: films are GIFs; end its name in .gif"),

@@ -27,7 +27,7 @@ def test_run_writes_the_record_and_sums_it_up(tmp_path: Path) -> None:
     record = read_record(tmp_path / "a.parquet")
     assert record.budget is None
     (info,) = record.seeds
-    assert info.digest == evolve(record.spec).digest
+    assert info.digest == evolve(record.spec).state.digest
     first, second = outcome.stdout.splitlines()
     assert first == "a.parquet: written (engine: reference)"
     assert second == (
@@ -182,7 +182,7 @@ def test_records_that_are_none(tmp_path: Path) -> None:
     assert "none.parquet: cannot be read (No such file" in refused("digest none.parquet")
     (tmp_path / "a.parquet").write_bytes(b"hello")
     said = refused("digest a.parquet")
-    assert "a.parquet: damaged or no record of neol's" in said
+    assert "a.parquet: damaged, or not a record of neol" in said
     assert ".;" not in said
 
 
@@ -190,7 +190,7 @@ def test_an_existing_output_is_never_overwritten(tmp_path: Path) -> None:
     command = f"run {TINY} --output a.parquet"
     neol(command)
     before = (tmp_path / "a.parquet").read_bytes()
-    assert "a.parquet: exists already; remove it or choose" in refused(command)
+    assert "a.parquet: already exists; remove it or choose" in refused(command)
     again = neol(f"{command} --resume")
     assert again.exit_code == 0
     assert again.stdout.startswith("a.parquet: already complete, nothing to do\nseed 0: best")

@@ -25,7 +25,7 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.Monk
     line = stopped.stderr.splitlines()[-1]
     assert line.startswith("neol: interrupted: progress is kept in a.parquet.partial")
     assert "--resume" in line
-    assert "a.parquet.partial: holds an interrupted run; go on with --resume" in refused(command)
+    assert "a.parquet.partial: has an interrupted run; continue with --resume" in refused(command)
     assert neol(f"{command} --resume").exit_code == 0
     neol(f"run {TINY} --output whole.parquet")
     assert result(read_record(tmp_path / "a.parquet")) == result(

@@ -96,7 +96,7 @@ def test_a_disk_that_is_full_behind_what_is_printed(command: str) -> None:
         done = subprocess.run(
             [sys.executable, "-m", "neol", command], stdout=full, stderr=subprocess.PIPE, text=True
         )
-    line = "neol: standard output: No space left on device; mend that or choose another place\n"
+    line = "neol: standard output: No space left on device; fix that or choose another place\n"
     assert (done.returncode, done.stderr) == (2, line)
 
 

@@ -219,7 +219,7 @@ def test_overrides_are_taken_or_give_one_clear_error(keys: list[str], value: str
 @fuzz
 @given(budget=HOSTILE)
 def test_a_budget_is_a_name_or_gives_one_clear_error(budget: Any) -> None:
-    """It may be a notebook's parameter, of whatever type papermill made it."""
+    """It may be a notebook's parameter, of any type that papermill made."""
     survive(lambda: load_configuration(budget))
 
 
@@ -250,5 +250,5 @@ def test_a_record_that_unpacks_to_much_is_refused_before_that(tmp_path: Path) ->
     path = tmp_path / "a.parquet"
     pq.write_table(table, path, compression="zstd", use_dictionary=False)
     assert path.stat().st_size < rows
-    with pytest.raises(UserError, match="it would unpack to far more than it is"):
+    with pytest.raises(UserError, match="it would unpack to far more than its own"):
         read_record(path)

@@ -51,13 +51,13 @@ def test_what_is_no_record_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"run\.parquet: cannot be read \(No such file"):
         read_record(path)
     path.write_bytes(b"PAR1 hello PAR1")
-    with pytest.raises(UserError, match="damaged or no record"):
+    with pytest.raises(UserError, match="damaged, or not a record"):
         read_record(path)
     pq.write_table(pa.table({"a": [1, 2]}), path)
     with pytest.raises(UserError, match="no key neol"):
         read_record(path)
     pq.write_table(pa.table({"a": [1]}).replace_schema_metadata({"neol": "{}"}), path)
-    with pytest.raises(UserError, match="its columns are others"):
+    with pytest.raises(UserError, match="unexpected columns"):
         read_record(path)
 
 
@@ -127,7 +127,7 @@ def test_what_has_no_specification_is_refused(path: Path) -> None:
         record_file.read_spec(path)
     for content in (b"", b"PAR1", path.read_bytes()[:-9]):
         path.write_bytes(content)
-        with pytest.raises(UserError, match=r"run\.parquet: damaged or no record"):
+        with pytest.raises(UserError, match=r"run\.parquet: damaged, or not a record"):
             record_file.read_spec(path)
 
 
@@ -195,7 +195,7 @@ def _unknown_key(metadata: Json, _: Json) -> None:
         (_edited_spec, "specification does not match its digest"),
         (_impossible_spec, "population"),
         (_swapped_seeds, "generations of seed 4 are not complete"),
-        (_missing_seed, "speak of different seeds"),
+        (_missing_seed, "list different seeds"),
         (_missing_generation, "generations of seed 0 are not complete"),
         (_missing_last_generation, "generations of seed 4 are not complete"),
         (_raised_fitness, "champion of seed 0 is not that of its last generation"),

@@ -91,7 +91,7 @@ def test_every_path_of_the_physics_gives_the_known_digest(
         pytest.skip(f"this machine has no {path}")
     monkeypatch.setenv("NEOL_BOX2D_PATH", path)
     known = json.loads(KNOWN.read_text())["default"]
-    played = digest_of.__wrapped__  # anew, whatever was played before
+    played = digest_of.__wrapped__  # without the cached digest
     assert played(task, "bcm", "fast") == (known[f"{task} bcm"], "fast")
 
 
@@ -107,7 +107,7 @@ def test_without_the_core_the_reference_engine_serves(
     expected, _ = digest_of(task, "bcm", "reference")
     missing = box2d.load(tmp_path / "core.so")
     monkeypatch.setattr(box2d, "load", lambda: missing)
-    played = digest_of.__wrapped__  # anew, whatever was played before
+    played = digest_of.__wrapped__  # without the cached digest
     assert played(task, "bcm", "auto") == (expected, "reference")
     (notice,) = capsys.readouterr().err.splitlines()
     assert notice.startswith(f"neol: note: the reference engine plays {environment}:")

@@ -92,9 +92,9 @@ def test_a_checkout_of_another_user_has_a_commit(
 
 @pytest.mark.parametrize("seeds", [[], [0, 0]])
 def test_seeds_are_distinct(seeds: list[int], tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="give at least one, and none twice"):
+    with pytest.raises(UserError, match="give at least one, each once"):
         runner.evolve(SPEC, seeds)
-    with pytest.raises(UserError, match="give at least one, and none twice"):
+    with pytest.raises(UserError, match="give at least one, each once"):
         block(tmp_path / "run.parquet", seeds=tuple(seeds))
 
 
@@ -141,9 +141,9 @@ def test_a_finished_block_is_left_as_it_is(tmp_path: Path) -> None:
     before = output.read_bytes()
     block(output, resume=True, on_generation=killer(0, 1, AssertionError))
     assert output.read_bytes() == before
-    with pytest.raises(UserError, match=r"run\.parquet: exists already; remove it or choose"):
+    with pytest.raises(UserError, match=r"run\.parquet: already exists; remove it or choose"):
         block(output)
-    with pytest.raises(UserError, match=r"holds the seeds \[0, 1\], not \[0, 2\]"):
+    with pytest.raises(UserError, match=r"contains seeds \[0, 1\], not \[0, 2\]"):
         block(output, seeds=(0, 2), resume=True)
     with pytest.raises(UserError, match="population is 8 there and 9 here"):
         block(output, run_spec(generations=4, population=9), resume=True)
@@ -177,7 +177,7 @@ def test_a_block_that_another_process_finishes_first_is_not_ours(
             yield folder
 
     monkeypatch.setattr(runner, "claim", claim_later)
-    with pytest.raises(UserError, match=r"run\.parquet: exists already"):
+    with pytest.raises(UserError, match=r"run\.parquet: already exists"):
         block(output)
     assert names(tmp_path) == ["other.parquet", "run.parquet"]
 
@@ -189,7 +189,7 @@ def test_interrupted_work_is_neither_lost_nor_mixed(tmp_path: Path) -> None:
     kept = ["lock", "run.parquet.partial", "seed_000000.parquet", "seed_000001.npz"]
     assert names(tmp_path) == kept
     with pytest.raises(
-        UserError, match=r"holds an interrupted run; go on with --resume, or remove"
+        UserError, match=r"has an interrupted run; continue with --resume, or remove"
     ):
         block(output)
     with pytest.raises(
@@ -197,7 +197,7 @@ def test_interrupted_work_is_neither_lost_nor_mixed(tmp_path: Path) -> None:
     ):
         block(output, run_spec("oja", 0, "neat.elitism=1", generations=4), resume=True)
     for seeds in ((5,), (0, 5)):
-        with pytest.raises(UserError, match=r"holds work of seed_00000[01], which is not among"):
+        with pytest.raises(UserError, match=r"contains seed_00000[01], which is not among"):
             block(output, seeds=seeds, resume=True, on_generation=killer(5, 1, AssertionError))
     assert names(tmp_path) == kept
     assert block(output, seeds=(0, 1, 5), resume=True).seeds[2].seed == 5

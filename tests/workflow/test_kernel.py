@@ -22,7 +22,7 @@ def test_a_notebook_refuses_another_neol_than_the_one_that_asks(
     Campaign(select("smoke"))
     monkeypatch.setenv(ASKING_PACKAGE, "/elsewhere/neol")
     line = refusal(Campaign, select("smoke"))
-    assert line.startswith(f"{this_package()}: not the neol that asks, /elsewhere/neol")
+    assert line.startswith(f"{this_package()}: not the workflow's neol, /elsewhere/neol")
 
 
 @pytest.mark.slow

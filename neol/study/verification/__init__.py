@@ -1,1 +1,1 @@
-"""Whether records are what they say: their manifests, their checks, replays of their runs."""
+"""Verification of records: manifests, checks, and replays of runs."""

@@ -45,9 +45,9 @@ class Checked:
     path: Path
     findings: tuple[Problem, ...]
     seeds: tuple[int, ...] = ()
-    """Of its runs; none where it cannot be used."""
+    """Seeds of its runs; none if the record cannot be used."""
     cell: str = ""
-    """What its runs share with those of other seeds: campaign and specification."""
+    """Campaign and specification, which its runs share with those of other seeds."""
 
 
 class Verification:
@@ -88,7 +88,7 @@ class Verification:
                     yield Problem(self._as_given(path), meaning)
 
     def notes(self) -> Iterator[str]:
-        """After the check: how much of its campaigns is there, and what no manifest vouches for."""
+        """After the check: the present share of each campaign, and records without a manifest."""
         for campaign, found in self._found.items():
             all_of_it = len(self._campaigns.cells(campaign))
             yield f"{len(found):,} of {all_of_it:,} records of {campaign}"

@@ -1,4 +1,4 @@
-"""Which commits there are: those that HEAD of this checkout leads back to."""
+"""Known commits: HEAD of this checkout and its ancestors."""
 
 import subprocess
 from functools import cache
@@ -8,9 +8,9 @@ from neol.run.provenance import Provenance, git
 
 @cache
 def ancestors() -> frozenset[str] | None:
-    """The hashes of HEAD and all commits before it; None without a whole history.
+    """Return the hashes of HEAD and all its ancestors; None without a complete history.
 
-    That is so outside a checkout and in a shallow one.
+    The history is incomplete outside a checkout and in a shallow one.
     """
     try:
         if git("rev-parse", "--is-shallow-repository") != "false":
@@ -22,7 +22,7 @@ def ancestors() -> frozenset[str] | None:
 
 
 def unknown_code(made: Provenance) -> str | None:
-    """Why the code that made a run cannot be had again; None where it can, or nobody knows."""
+    """Return why the code of a run cannot be restored; None if it can, or if that is unknown."""
     if made.commit is None:
         return "made outside a checkout: no commit is known"
     if made.dirty is not False:

@@ -1,4 +1,4 @@
-"""The manifest: which records a budget's folder holds, so that none changes or goes unnoticed."""
+"""The manifest: the list of a folder's records, so that changed or lost ones are noticed."""
 
 import hashlib
 import json
@@ -32,21 +32,21 @@ def _below(path: str) -> str:
 
 
 class ManifestEntry(Model):
-    """What the manifest says of one record."""
+    """Entry of one record."""
 
     path: Annotated[str, AfterValidator(_below)]
-    """From the manifest's folder on, with slashes."""
+    """Path below the manifest's folder, with slashes."""
     sha256: Sha256
-    """Of the file."""
+    """SHA-256 of the file."""
     spec_digest: Sha256
-    """Of the specification without the seed."""
+    """Digest of the specification without the seed."""
     seeds: tuple[int, ...]
     commits: tuple[str, ...]
-    """Those that made its runs, sorted; with -dirty where code or constants differed."""
+    """Commits that made its runs, sorted; with -dirty if code or constants differed."""
 
     @classmethod
     def of(cls, path: str, content: bytes, record: Record) -> Self:
-        """The entry of a record, read from this content."""
+        """Return the entry of a record that was read from this content."""
         return cls(
             path=path,
             sha256=hashlib.sha256(content).hexdigest(),
@@ -61,30 +61,30 @@ class Manifest(Model):
 
     version: Literal[1] = 1
     budget: str | None
-    """That all of them belong to."""
+    """Budget of all records."""
     reading: str | None = FIRST_READING
-    """That all of them are made under; left out where they are older than readings."""
+    """Reading of all records; omitted if they are older than readings."""
     tasks: tuple[str, ...] = ()
-    """Those of the budget's that it speaks for; none where it speaks for all."""
+    """Tasks that the manifest covers; empty if it covers all of the budget."""
     records: tuple[ManifestEntry, ...]
-    """By path."""
+    """Entries sorted by path."""
 
     @property
     def campaign(self) -> str | None:
-        """Such as first/demo; None where the records are of no budget."""
+        """Campaign such as first/demo; None if the records have no budget."""
         return None if self.budget is None else campaign_name(self.reading, self.budget)
 
     def covers(self, job: Job) -> bool:
-        """Whether it speaks for the record of this job."""
+        """Whether the manifest covers the record of this job."""
         return not self.tasks or job.spec.task.name in self.tasks
 
 
 def records_of(campaign: str | None) -> dict[str, Job]:
-    """The records of a campaign, by path below its folder; none for one that is not known."""
+    """Return the records of a campaign by path below its folder; none if it is unknown."""
     reading, _, budget = (campaign or "").rpartition("/")
     try:
         every = list(jobs(load_configuration(budget, reading=reading)))
-    except UserError:  # a record may state any
+    except UserError:  # a record may state any campaign
         return {}
     home = RESULTS / reading / budget
     return {job.record.relative_to(home).as_posix(): job for job in every}
@@ -93,13 +93,13 @@ def records_of(campaign: str | None) -> dict[str, Job]:
 def write_manifest(folder: Path, tasks: str = "") -> Manifest:
     """Write the manifest of the records below a folder, atomically; same records, same bytes.
 
-    It speaks for all tasks of the budget, or for these: "cartpole,hopper".
-    Raises UserError for a record that is not whole, of another budget than the first, or none
-    that these tasks have there; and for a task that the budget does not have.
+    It covers all tasks of the budget, or the named ones: "cartpole,hopper". Raises UserError for a
+    damaged record, one of another budget than the first, one that these tasks do not have there,
+    and for a task that the budget does not have.
     """
     governing = governing_folder(absolute(folder))
     if governing is not None:
-        raise UserError(f"{folder}: {governing / NAME} speaks for it; write that one anew")
+        raise UserError(f"{folder}: {governing / NAME} covers it; write that one again")
     manifest = _manifest_of(folder)
     campaign = manifest.campaign
     jobs_of_campaign = records_of(campaign)
@@ -107,13 +107,13 @@ def write_manifest(folder: Path, tasks: str = "") -> Manifest:
         shown = select(manifest.budget, tasks, manifest.reading)
         manifest = manifest.model_copy(update={"tasks": chosen_tasks(shown.budget)})
     elif tasks:
-        raise UserError(f"{folder}: its records are of no budget that config/ has, so of no tasks")
+        raise UserError(f"{folder}: its records are of no budget in config/, so it has no tasks")
     for entry in manifest.records if jobs_of_campaign else ():
         job = jobs_of_campaign.get(entry.path)
         if job is None:
             raise UserError(
                 f"{folder / entry.path}: {campaign} has no record of this name; "
-                f"a manifest is for a budget's own folder, like {RESULTS}/{campaign}"
+                f"write the manifest of a budget's folder, like {RESULTS}/{campaign}"
             )
         if not manifest.covers(job):
             raise UserError(
@@ -125,10 +125,10 @@ def write_manifest(folder: Path, tasks: str = "") -> Manifest:
 
 
 def governing_folder(path: Path) -> Path | None:
-    """The folder whose manifest speaks for an absolute path: the outermost above it.
+    """Return the folder whose manifest covers an absolute path: the outermost one above it.
 
-    A manifest speaks for all that lies beneath it, also for other manifests; so nothing that is
-    added below switches it off. Nothing above the root of this checkout counts.
+    A manifest covers everything below it, also other manifests, so no added file can disable it.
+    Folders above the root of this checkout do not count.
     """
     governing = None
     for folder in path.parents:
@@ -140,9 +140,9 @@ def governing_folder(path: Path) -> Path | None:
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """The manifest of a folder. Raises UserError where there is none or it is damaged."""
+    """Read the manifest of a folder. Raises UserError if it is missing or damaged."""
     path = folder / NAME
-    way_out = f"restore it, or write it anew by neol manifest {folder}"
+    way_out = f"restore it, or write it again by neol manifest {folder}"
     try:
         manifest = Manifest.model_validate_json(read_bounded(path, MAX_BYTES))
     except ValidationError as error:
@@ -154,12 +154,15 @@ def read_manifest(folder: Path) -> Manifest:
 
 
 def absolute(path: Path) -> Path:
-    """From the root on, so that a result does not depend on the folder one stands in."""
+    """Return the absolute path, so that a result does not depend on the working folder."""
     return Path(os.path.abspath(path))  # noqa: PTH100  (without following links, as resolve does)
 
 
 def _manifest_of(folder: Path) -> Manifest:
-    """Of all records below a folder. Raises UserError for none, or some of several campaigns."""
+    """Return the manifest of all records below a folder.
+
+    Raises UserError if there are none, or if they belong to several campaigns.
+    """
     entries: list[ManifestEntry] = []
     firsts: dict[str | None, tuple[Path, Record]] = {}
     for path in records_below(folder):
@@ -177,7 +180,7 @@ def _manifest_of(folder: Path) -> Manifest:
 
 
 def _text(manifest: Manifest) -> str:
-    """As JSON, a line a record."""
+    """Return the manifest as JSON with one line for each record."""
     about = manifest.model_dump(mode="json", include={"version", "budget", "reading"})
     about |= {"tasks": list(manifest.tasks)} if manifest.tasks else {}
     head = json.dumps(about)[:-1]

@@ -1,4 +1,4 @@
-"""What should lie in a folder with a manifest: its records, in their places, and nothing else."""
+"""Check of a folder with a manifest: its records, in their places, and no other files."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -24,22 +24,22 @@ from neol.study.verification.manifest import (
 
 
 class Campaigns:
-    """What the budgets of `config/` have under its readings, each listed once."""
+    """Records of the campaigns of `config/`, each campaign listed once."""
 
     def __init__(self) -> None:
         self._jobs = cache(records_of)
         self._budgets = set(budgets())
 
     def jobs(self, campaign: str | None) -> dict[str, Job]:
-        """The records of a campaign, by path below its folder; none for one that is not known."""
+        """Return the records of a campaign by path below its folder; none if it is unknown."""
         return self._jobs(campaign)
 
     def cells(self, campaign: str | None) -> list[str]:
-        """Those of its cells, its sensitivity study left out."""
+        """Return the records of its cells, without its sensitivity study."""
         return [name for name, job in self.jobs(campaign).items() if job.part != SENSITIVITY]
 
     def of_place(self, path: Path) -> str | None:
-        """The campaign whose folder a path lies in, such as results/first/demo."""
+        """Return the campaign of the folder that a path lies in, such as results/first/demo."""
         parts = path.parts
         for place in reversed(range(len(parts) - 3)):
             if parts[place] == RESULTS.name and parts[place + 2] in self._budgets:
@@ -48,12 +48,12 @@ class Campaigns:
 
 
 class ManifestFolder:
-    """A folder with a manifest, and what should lie in it."""
+    """A folder with a manifest, and its expected records."""
 
     def __init__(self, folder: Path, campaigns: Campaigns) -> None:
         self.folder = folder
         self.damage: str | None = None
-        """What is wrong with the manifest itself; nothing else is then known."""
+        """Damage of the manifest itself; the folder cannot be checked then."""
         self._manifest = Manifest(budget=None, records=())
         self._campaigns = campaigns
         path = folder / NAME
@@ -65,7 +65,7 @@ class ManifestFolder:
         self._entries = {entry.path: entry for entry in self._manifest.records}
 
     def problems(self, path: Path, content: bytes, record: Record) -> Iterator[str]:
-        """What is wrong with the place here of a record, read from this content."""
+        """Yield problems of the place of a record that was read from this content."""
         if self.damage:
             return
         now = ManifestEntry.of(path.relative_to(self.folder).as_posix(), content, record)
@@ -86,11 +86,11 @@ class ManifestFolder:
             yield f"{runs} of its {len(record.seeds)} runs: {reason}; make it again"
 
     def missing(self, there: Iterable[Path]) -> Iterator[tuple[Path, str]]:
-        """Records that are not there, and how that is known."""
+        """Yield missing records, and how they are known."""
         there = set(there)
         for name in self._entries:
             if self.folder / name not in there:
-                meaning = f"missing, {NAME} names it; restore it or run anew"
+                meaning = f"missing, {NAME} names it; restore it or run again"
                 yield self.folder / name, meaning
         for name in self._all_or_nothing():
             if name not in self._entries and self.folder / name not in there:
@@ -99,7 +99,7 @@ class ManifestFolder:
                 yield self.folder / name, meaning
 
     def strays(self) -> Iterator[tuple[Path, str]]:
-        """What lies here and is no record, and what that means."""
+        """Yield other files than records, and what they mean."""
         partial_at: Path | None = None
         for path in files_below(self.folder, "*"):
             if partial_at in path.parents:
@@ -114,14 +114,14 @@ class ManifestFolder:
                 yield path, "no record: remove it"
 
     def _all_or_nothing(self) -> Iterator[str]:
-        """The records that must be there: a sensitivity study may be left out as a whole."""
+        """Return the required records; a sensitivity study may be omitted as a whole."""
         jobs = self._campaigns.jobs(self.campaign)
         cells = self._campaigns.cells(self.campaign)
         must = jobs if self._entries.keys() & (jobs.keys() - cells) else cells
         return (name for name in must if self._manifest.covers(jobs[name]))
 
     def _misplaced(self, record: Record, entry: ManifestEntry) -> Iterator[str]:
-        """Whether it is the record that its campaign has in this place."""
+        """Yield differences from the record that the campaign has in this place."""
         jobs = self._campaigns.jobs(self.campaign)
         if record.campaign == self.campaign and jobs:
             job = jobs.get(entry.path)
@@ -130,7 +130,7 @@ class ManifestFolder:
                 return
             if not self._manifest.covers(job):
                 tasks = ", ".join(self._manifest.tasks)
-                yield f"of task {job.spec.task.name}, {NAME} speaks for {tasks} alone"
+                yield f"of task {job.spec.task.name}, {NAME} covers {tasks} only"
             if difference := first_difference(record.spec.without_seed(), job.spec):
                 yield f"not what {self.campaign} has here: {difference}"
             if entry.seeds != tuple(job.seeds):
@@ -145,11 +145,11 @@ class ManifestFolders:
         self._folder = cache(partial(ManifestFolder, campaigns=campaigns))
 
     def above(self, path: Path) -> ManifestFolder | None:
-        """The one that speaks for a path."""
+        """Return the folder with a manifest that covers a path."""
         folder = governing_folder(path)
         return None if folder is None else self._folder(folder)
 
     def around(self, path: Path) -> list[ManifestFolder]:
-        """Those that speak for a path, or for what lies below it."""
+        """Return the folders with a manifest that covers a path or files below it."""
         manifests = files_below(path, NAME) if path.is_dir() else ()
         return list(dict.fromkeys(filter(None, map(self.above, (path, *manifests)))))

@@ -1,4 +1,4 @@
-"""What a run's record can hold: values that no run can have, found without playing."""
+"""Plausibility of a record: values that no run can have, found without playing."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -17,19 +17,19 @@ from neol.spec.run_spec import RunSpec
 from neol.study.verification.returns import Returns, returns_of
 
 ROUNDING = 1e-9
-"""Relative: what is smaller may come from adding up in another order."""
+"""Relative tolerance: smaller differences may come from another order of addition."""
 NEEDED_VERSIONS = ("python", "numpy", "numba", "gymnasium")
-"""Of what made a run: none was ever made without them."""
+"""Packages that every run was made with."""
 
 Rows = dict[str, Any]
 """The columns of a run."""
 Check = tuple[str, npt.NDArray[np.bool_], str]
-"""A column, whether each generation's value is possible, and what it means where it is not."""
+"""Column, whether each generation's value is possible, and the meaning of an impossible one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impossible:
-    """A value that no run can have: where it stands, the value, what it means."""
+    """A value that no run can have: its place, the value, its meaning."""
 
     meaning: str
     seed: int
@@ -39,7 +39,7 @@ class Impossible:
 
 
 def impossible_values(record: Record) -> Iterator[Impossible]:
-    """What no runs can have, in a record that is whole."""
+    """Yield values that no run can have, in an undamaged record."""
     for info in record.seeds:
         yield from _of_run(record.spec, record.rows_of(info.seed), info)
     yield from _repeated(record)
@@ -66,11 +66,11 @@ def _of_run(spec: RunSpec, rows: Rows, info: SeedInfo) -> Iterator[Impossible]:
 
 
 def _checks(rows: Rows, spec: RunSpec, info: SeedInfo) -> Iterator[Check]:
-    """What holds in every environment."""
+    """Yield checks that hold in every environment."""
     best, mean, sd = rows["best_fitness"], rows["mean_fitness"], rows["sd_fitness"]
     slack = ROUNDING * (np.abs(best) + np.abs(mean) + np.abs(sd))
     yield "best_fitness", best >= mean - slack, "below the mean"
-    # Samuelson's inequality: no value of P is further from the mean.
+    # Samuelson's inequality: none of P values is further from the mean.
     reach = np.sqrt(spec.population - 1) * sd
     yield "best_fitness", best - mean <= reach + slack, "too far from the mean for this spread"
     evaluations = spec.population * rows["generation"]
@@ -93,7 +93,7 @@ def _checks(rows: Rows, spec: RunSpec, info: SeedInfo) -> Iterator[Check]:
     if limit is not None:
         over |= rows["env_steps"] >= limit
     last = rows["generation"] == len(over)
-    yield "env_steps", over == last, "the run ends elsewhere than where its budget is used up"
+    yield "env_steps", over == last, "the run does not end where its step limit is reached"
     enabled = sum(connection[-1] for connection in info.champion.connections)
     for column, size in (
         ("nodes_best", len(info.champion.nodes)),
@@ -103,7 +103,7 @@ def _checks(rows: Rows, spec: RunSpec, info: SeedInfo) -> Iterator[Check]:
 
 
 def _fitness_checks(rows: Rows, spec: RunSpec, returns: Returns) -> Iterator[Check]:
-    """What a fitness can be, of generations in which no evaluation failed."""
+    """Yield checks of fitness, for generations without failed evaluations."""
     best, mean = rows["best_fitness"], rows["mean_fitness"]
     failed = np.diff(rows["failed_evaluations"], prepend=0) != 0
     for column in ("best_fitness", "mean_fitness"):
@@ -140,7 +140,7 @@ def _of_held_out(info: SeedInfo, returns: Returns | None) -> Iterator[Impossible
 
 
 def _of_provenance(made: Provenance) -> Iterator[tuple[str, str, str]]:
-    """Each key with its value and what is wrong with it."""
+    """Yield each wrong key with its value and its error."""
     for package in NEEDED_VERSIONS:
         if not made.versions.get(package):
             yield f"versions.{package}", "", "no run was made without it"
@@ -153,7 +153,7 @@ def _of_provenance(made: Provenance) -> Iterator[tuple[str, str, str]]:
 
 
 def _repeated(record: Record) -> Iterator[Impossible]:
-    """One run under two seeds: of two runs not even the first weights are the same."""
+    """Yield runs that appear under two seeds; even the first weights of two runs must differ."""
     contents: dict[str, dict[int, Any]] = {"digest": {i.seed: i.digest for i in record.seeds}}
     if record.spec.neat.weight_init_sd > 0:
         contents["champion"] = {

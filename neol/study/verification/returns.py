@@ -1,4 +1,4 @@
-"""What an episode can return in the paper's environments, whoever plays."""
+"""Bounds of an episode's return in the paper's environments, for any policy."""
 
 from dataclasses import dataclass
 
@@ -12,13 +12,13 @@ class Returns:
     lowest: float
     highest: float
     each_step: float | None = None
-    """What every step pays, where all pay the same."""
+    """Reward of every step, if it is constant."""
 
 
 def returns_of(task: Task) -> Returns | None:
-    """The bounds in a task; None for an environment that is not the paper's.
+    """Return the bounds in a task; None for an environment that is not the paper's.
 
-    They follow from each environment's source, or lie far beyond what its bodies can do.
+    They follow from each environment's source, or are far beyond what its bodies can reach.
     """
     steps = task.max_steps
     match task.environment:

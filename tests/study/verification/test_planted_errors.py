@@ -1,6 +1,6 @@
 """Planted errors: every kind is found, by the check that the table in the docs names.
 
-`python -m tests.study.verification.test_planted_errors` writes that table anew.
+`python -m tests.study.verification.test_planted_errors` writes that table.
 """
 
 import contextlib

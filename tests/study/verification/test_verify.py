@@ -291,7 +291,7 @@ def test_where_there_is_nothing_to_check_the_input_is_wrong(tmp_path: Path) -> N
 def test_no_manifest_is_written_below_another(campaign: Path) -> None:
     outcome = neol("manifest", campaign / "cartpole")
     assert outcome.exit_code == 2
-    assert f"{campaign / NAME} speaks for it" in outcome.stderr
+    assert f"{campaign / NAME} covers it" in outcome.stderr
 
 
 def test_without_a_history_commits_are_not_looked_up_and_that_is_said(

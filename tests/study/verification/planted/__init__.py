@@ -7,7 +7,7 @@ from tests.study.verification.planted.manifest import MANIFEST
 
 PLANTS = {
     "Bytes of a record": BYTES,
-    "Contents of a record, with all hashes computed anew": CONTENTS,
+    "Contents of a record, with all hashes computed again": CONTENTS,
     "Files of a budget's folder": FILES,
     "The manifest": MANIFEST,
 }

@@ -1,4 +1,4 @@
-"""Contents of a record; it and its manifest are sealed anew, so that all hashes are right."""
+"""Contents of a record; the hashes of it and its manifest are computed again."""
 
 import hashlib
 from collections.abc import Callable
@@ -16,11 +16,11 @@ from tests.study.verification.campaign import NEAT, OJA, update_manifest
 from tests.study.verification.planted.plant import Plant
 
 Change = Callable[[Json, Json], None]
-"""Of a record's metadata and rows."""
+"""Change of a record's metadata and rows."""
 
 
 def edit(change: Change, name: str = OJA) -> Callable[[Path], None]:
-    """Change a record, seal it anew, and so the manifest."""
+    """Change a record and compute its digest and the manifest again."""
 
     def do(folder: Path) -> None:
         forge_record(folder / name, change)

@@ -13,4 +13,4 @@ class Plant:
     """What was done, for the table."""
     do: Callable[[Path], object]
     options: str = ""
-    """Of `neol verify`, that it takes to find it; without them it must go unnoticed."""
+    """Options of `neol verify` that find it; without them it must go unnoticed."""
