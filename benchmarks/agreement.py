@@ -36,9 +36,9 @@ class Comparison(NamedTuple):
 
     reading: str
     first_seeds: dict[str, int]
-    """By side."""
+    """First seed of each side."""
     seeds: dict[str, int]
-    """How many, by task."""
+    """Number of seeds, by task."""
 
 
 SWITCHES = "+neat.distance=all_genes+neat.equal_parents=random+neat.innovation=endpoints"
@@ -61,13 +61,13 @@ COLUMNS = {
     "nodes_mean": "hidden and output nodes",
     "connections_mean": "enabled connections",
 }
-"""What is compared: columns of a record, and how they are called."""
+"""Compared columns of a record, and their names."""
 FITNESS_MARGIN = {"cartpole": 50.0, "lunar_lander": 40.0}
 """Differences of mean fitness that are small enough."""
 RATIO_MARGIN = 1.25
-"""And the ratio of mean numbers of species, nodes and connections, either way."""
+"""Ratio of mean numbers of species, nodes and connections that is small enough, either way."""
 CONFIDENCE = 0.90
-"""Of the interval that must lie within the margins: two one-sided tests at 5%."""
+"""Level of the interval that must lie within the margins: two one-sided tests at 5%."""
 
 
 class Agreement(NamedTuple):
@@ -92,7 +92,7 @@ class Agreement(NamedTuple):
 
 FITNESS = tuple(COLUMNS)[:2]
 KEYS = ["comparison", "evolves", "task", "seed", "until"]
-"""Of a row; `until` is the last of its ten generations."""
+"""Keys of a row; `until` is the last of its ten generations."""
 
 
 def run_spec(reading: str, task: str, seed: int) -> RunSpec:

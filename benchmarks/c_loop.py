@@ -12,7 +12,7 @@ import numpy.typing as npt
 from benchmarks.trajectories import Recording
 
 NUMBERS = {"none": 0, "hebb": 1, "oja": 2, "bcm": 3}
-"""Of the rules in loop.c."""
+"""Numbers of the rules in loop.c."""
 FLAGS = ("-O3", "-ffp-contract=off", "-fPIC", "-shared")
 
 

@@ -100,7 +100,7 @@ def _make_pool(task: Task, environments: int) -> Any:
 
 
 def _actions(space: Any, outputs: Array) -> npt.NDArray[Any]:
-    """Of each environment: the largest output's number, or the outputs, in the space's dtype."""
+    """Return each environment's action: the largest output's index or the outputs, in its dtype."""
     if isinstance(space, gymnasium.spaces.Discrete):
         outputs = np.argmax(outputs, axis=1)
     actions: npt.NDArray[Any] = outputs.astype(space.dtype)

@@ -28,7 +28,7 @@ def main() -> None:
 
 
 def peak_megabytes() -> float:
-    """Of this program: on Linux, getrusage would count the process that it was started from."""
+    """Return this program's peak memory; on Linux, getrusage would count its parent process."""
     status = Path("/proc/self/status")
     if status.exists():
         (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))

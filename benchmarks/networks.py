@@ -79,7 +79,7 @@ def recording_of(spec: RunSpec, engine: Engine, networks: Networks, steps: int) 
 
 
 def _cycle(networks: Networks, count: int) -> Networks:
-    """The first `count` networks of the batch, begun anew when it ends."""
+    """Return `count` networks of the batch, repeated from its start if it is smaller."""
     rounds, rest = divmod(count, networks.population)
     return join([networks] * rounds + [networks.slice(0, rest)] * (rest > 0))
 

@@ -228,8 +228,8 @@ def _neat(table: Table) -> str:
 
 Synthetic growth: real NEAT with the task's inputs and outputs for 200 generations of random
 fitness, then timed. *All* is everything that a generation does outside the engine, statistics and
-digest too. Its share is against {NEAT_POPULATION} episodes of the length that short real runs came
-to, at the engine's measured cost of a step with small networks.
+digest too. Its share is against {NEAT_POPULATION} episodes as long as those of short real
+runs, at the engine's measured cost of a step with small networks.
 
 {markdown(header, rows)}
 ## Two workers against one: wall seconds of a run's generations, P = 100

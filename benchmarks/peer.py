@@ -30,7 +30,7 @@ except ModuleNotFoundError:
 
 
 class PeerRun(NamedTuple):
-    """What a run of the peer came to."""
+    """Result of a run of the peer."""
 
     steps: int
     """Environment steps."""

@@ -1,4 +1,4 @@
-"""docs/benchmarks.png. Colours: Okabe and Ito, which the colour-blind can tell apart."""
+"""docs/benchmarks.png, in the colours of Okabe and Ito, distinguishable with colour blindness."""
 
 from pathlib import Path
 

@@ -29,7 +29,7 @@ def replace_generated(text: str, generated: str) -> str:
 
 
 def scaling(table: Table, about: Mapping[str, str]) -> str:
-    """What was measured, what the paper's budget comes to, and the demo's beside its records."""
+    """Describe the measurements, the paper budget's cost, and the demo's beside its records."""
     where = f"{about['CPU']}, {about['Date']} ({about['Run']})"
     parts = [f"On {where}:\n", _measured(table), prediction(table.get, "paper")]
     return "\n".join(parts) + "\n" + comparison(table.get, "demo")
@@ -86,12 +86,12 @@ def spent(budget: str) -> str:
 
 @dataclass(frozen=True)
 class Cost:
-    """Of all runs of a job, in core-seconds."""
+    """Core-seconds of all runs of a job."""
 
     job: Job
     seconds: float
     longest: float
-    """Where every episode goes on to the task's limit."""
+    """Core-seconds if every episode lasts to the task's limit."""
 
     @property
     def runs(self) -> int:
@@ -99,7 +99,7 @@ class Cost:
 
 
 def _costs(get: Get, budget: str) -> list[Cost]:
-    """Of a budget's grid, as far as its tasks were measured."""
+    """Return the costs of a budget's grid, for its measured tasks."""
     found = []
     for job in jobs(select(budget)):
         usual, longest = run_seconds(job.spec, get), run_seconds(job.spec, get, to_the_limit=True)

@@ -139,7 +139,7 @@ class Watch:
         self.blocks = blocks(self.configuration)
         self.clone = clone
         self.seen: dict[tuple[Path, int], list[int]] = {}
-        """By block and seed: the generations that its checkpoint was seen at."""
+        """Generations of checkpoints that were seen, by block and seed."""
 
     def look(self) -> None:
         for block in self.blocks:

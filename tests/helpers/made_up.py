@@ -85,7 +85,7 @@ def run(
 ) -> Record:
     """Return a run whose best fitness is higher by `decline` in each earlier generation.
 
-    So only the final generation may count. Its champion comes to 1 less in held-out episodes.
+    So only the final generation may count. Its champion returns 1 less in held-out episodes.
     """
     history = [
         generation(number, final_best + decline * (spec.generations - number), spec.population)

@@ -91,13 +91,13 @@ def test_tables_of_some_tasks_say_so(clone: Path) -> None:
     assert "Budget demo, CartPole only: G = 60" in (clone / target).read_text()
     assert f"made by  snakemake {target} {' '.join(options)}" in trace(clone / target, clone)
     assert planned(clone, target, *options) == {}
-    for source, anew in (
+    for source, repeated in (
         ("pictures/style.py", {}),
         ("study/workflow/status.py", {}),
         ("study/outcomes/campaign_runs.py", {"tables_notebook": 1}),
     ):
         with edited(clone / "neol" / source, '"""\n', '"""\n# other code\n'):
-            assert planned(clone, target, *options) == anew
+            assert planned(clone, target, *options) == repeated
 
 
 def test_a_record_that_is_there_is_no_error_to_ask_for(clone: Path) -> None:

@@ -103,7 +103,7 @@ def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str
 
 
 def _configurations(table: int) -> list[Cell]:
-    """Those of the paper's Table 3 or 4."""
+    """Return the cells of the paper's Table 3 or 4."""
     with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:
         return [
             Cell(

@@ -93,7 +93,7 @@ def test_what_is_beyond_all_measure_begins_anew_as_in_the_library(name: str, val
         hopper.turn(world, np.ones(3))
     assert own.world.position.tolist() == library.world.position.tolist()
     assert own.world.velocity.tolist() == library.world.velocity.tolist()
-    assert abs(own.world.position[1] - 1.25) < 0.01, "it began anew"
+    assert abs(own.world.position[1] - 1.25) < 0.01, "it was reset"
 
 
 @pytest.mark.parametrize("folded", [(-2.6, -2.6, 0.7), (-1.0, -2.6, -0.7), (0.0, -2.6, 0.0)])

@@ -1,4 +1,4 @@
-"""notebooks/explore.ipynb in a kernel: it draws by itself, and its controls draw anew."""
+"""notebooks/explore.ipynb in a kernel: it draws by itself, and again after a change of controls."""
 
 import base64
 import json
