@@ -5,7 +5,7 @@ import io
 import json
 import re
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -87,6 +87,10 @@ def _prose(path: Path) -> str:
     return "\n".join(lines[1:])
 
 
+def _report(files: list[Path], find: Callable[[Path], Iterator[str]]) -> str:
+    return "\n".join(f"{path.relative_to(ROOT)}: {each}" for path in files for each in find(path))
+
+
 def banned_words(prose: str) -> Iterator[str]:
     """Yield each banned word with its line and what to write instead."""
     for pattern, instead in BANNED.items():
@@ -104,24 +108,15 @@ def fragments(source: str) -> Iterator[str]:
                 yield f"line {node.lineno}: {text.splitlines()[0]!r} (begin with a verb or noun)"
 
 
-@pytest.mark.parametrize("pattern", [*PYTHON, *TEXT, *NOTEBOOKS])
-def test_no_banned_words(pattern: str) -> None:
-    files = _files(pattern)
+@pytest.mark.parametrize("patterns", [PYTHON, TEXT, NOTEBOOKS])
+def test_no_banned_words(patterns: tuple[str, ...]) -> None:
+    files = _files(*patterns)
     assert files
-    found = [
-        f"{path.relative_to(ROOT)}: {each}" for path in files for each in banned_words(_prose(path))
-    ]
-    assert not found, "\n".join(["", *found])
+    assert _report(files, lambda path: banned_words(_prose(path))) == ""
 
 
-@pytest.mark.parametrize("pattern", PYTHON)
-def test_no_docstring_begins_with_a_fragment(pattern: str) -> None:
-    found = [
-        f"{path.relative_to(ROOT)}: {each}"
-        for path in _files(pattern)
-        for each in fragments(path.read_text(encoding="utf-8"))
-    ]
-    assert not found, "\n".join(["", *found])
+def test_no_docstring_begins_with_a_fragment() -> None:
+    assert _report(_files(*PYTHON), lambda path: fragments(path.read_text(encoding="utf-8"))) == ""
 
 
 def test_what_is_left_out_exists() -> None:

@@ -1,4 +1,4 @@
-"""Whether records are what they say: digests, manifest, verification, replays of their runs."""
+"""Commands that check records: digests, manifest, verification, replays of runs."""
 
 import math
 import secrets
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 
 @app.command(epilog=examples("neol digest a.parquet"))
-def digest(record: Annotated[Path, typer.Argument(metavar="RECORD", help="A record.")]) -> None:
+def digest(
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="Path of a record.")],
+) -> None:
     """Print each seed of a record and the digest of its trajectory."""
     from neol.run.record_file import read_record
 
@@ -35,11 +37,11 @@ def digest(record: Annotated[Path, typer.Argument(metavar="RECORD", help="A reco
 )
 def manifest(
     folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="The folder of one budget's records.")
+        Path, typer.Argument(metavar="FOLDER", help="Folder of one budget's records.")
     ],
     tasks: Annotated[
         str,
-        typer.Option(help="Those of its tasks whose records are all there, like cartpole,hopper."),
+        typer.Option(help="Tasks whose records are complete, like cartpole,hopper; default: all."),
     ] = "",
 ) -> None:
     """Write FOLDER/manifest.json: its records and their digests."""
@@ -63,29 +65,29 @@ def verify(
     replay: Annotated[
         str,
         typer.Option(
-            metavar="COUNT", help="Runs to repeat to their end, drawn at random; or: all."
+            metavar="COUNT", help="Number of runs to repeat to their end, drawn at random, or all."
         ),
     ] = "0",
     minutes: Annotated[
         float | None,
-        typer.Option(
-            min=0, help="Repeat runs for so long; without --replay, as many as there is time for."
-        ),
+        typer.Option(min=0, help="Time for repeating runs; without --replay, as many runs as fit."),
     ] = None,
     generations: Annotated[
         int | None,
-        typer.Option(min=1, help="Repeat only the first generations of each run, so many."),
+        typer.Option(
+            min=1, help="Number of first generations to repeat of each run; default: all."
+        ),
     ] = None,
     replay_champions: Annotated[
-        int, typer.Option(min=0, help="Champions to repeat the held-out episodes of.")
+        int, typer.Option(min=0, help="Number of champions whose held-out episodes are repeated.")
     ] = 0,
     seed: Annotated[
         int | None,
-        typer.Option(min=0, help="Seed of the draw; without it one is chosen and printed."),
+        typer.Option(min=0, help="Seed of the draw; by default one is chosen and printed."),
     ] = None,
     log: Annotated[
         Path | None,
-        typer.Option(help="File of the runs that agreed: they are not repeated another time."),
+        typer.Option(help="File that lists agreeing runs, which are not repeated again."),
     ] = None,
 ) -> None:
     """Check records by their digests, rows and manifest; replay runs."""
@@ -122,7 +124,7 @@ def verify(
 
 
 def _count_of(replay: str, minutes: float | None) -> int:
-    """How many runs to repeat at most. Raises UserError for what is no number and not all."""
+    """Return the largest number of runs to repeat. Raises UserError unless a number or all."""
     from neol.base.errors import UserError
 
     if replay == "all" or (replay == "0" and minutes is not None):
@@ -141,7 +143,7 @@ def _repeat(
     log: Path | None,
     findings: "list[Problem]",
 ) -> str:
-    """Repeat what is drawn of the runs and compare; what was repeated, and what that finds."""
+    """Repeat drawn runs and compare; return a summary of what was repeated and its coverage."""
     from neol.study.verification import replays
     from neol.study.verification.replay_log import ReplayLog
 
@@ -171,7 +173,7 @@ def _repeat(
 def _repeat_champions(
     cells: "dict[Run, str]", count: int, seed: int, findings: "list[Problem]"
 ) -> str:
-    """Repeat the held-out episodes of champions that are drawn; how many they were."""
+    """Repeat the held-out episodes of drawn champions; return a summary."""
     from neol.study.verification import replays
 
     drawn = replays.draw(cells, seed)[:count]
@@ -185,7 +187,7 @@ def _repeat_champions(
 def _played(
     play: "Callable[[], Replay]", run: "Run", title: str, findings: "list[Problem]"
 ) -> "Replay | None":
-    """A replay, its problem printed and found; None where it cannot be made."""
+    """Make a replay, print and add its problem; return None if it cannot be made."""
     from neol.base.errors import UserError
     from neol.cli.progress import Display
     from neol.study.verification.check import Problem

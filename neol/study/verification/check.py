@@ -1,6 +1,6 @@
-"""Verification of records as they lie there, in milliseconds each; no run is repeated.
+"""Checks of stored records, in milliseconds each; no run is repeated.
 
-What a campaign has in a folder with a manifest is listed once and takes longer.
+Listing the records of a campaign, for a folder with a manifest, takes longer and is done once.
 
 Beside this: `plausible` has what a run's values can be, `manifest` what lies in a folder, `history`
 which commits there are, and `replays` repeats runs.
@@ -22,7 +22,7 @@ from neol.study.verification.plausible import impossible_values
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Something wrong, in one line: where, which values, what it means."""
+    """A finding in one line: its place, the values, their meaning."""
 
     path: Path
     meaning: str
@@ -40,7 +40,7 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """A record after its check."""
+    """Result of a record's check."""
 
     path: Path
     findings: tuple[Problem, ...]
@@ -51,9 +51,9 @@ class Checked:
 
 
 class Verification:
-    """The check of records, those below folders too, and of the manifests that they stand in.
+    """Check of records, also those below folders, and of the manifests that list them.
 
-    Raises UserError where there is nothing to check.
+    Raises UserError if there is nothing to check.
     """
 
     def __init__(self, paths: Sequence[Path]) -> None:
@@ -69,16 +69,16 @@ class Verification:
                 raise UserError(f"{path}: holds no records")
             records |= dict.fromkeys(below)
         self.records = list(records)
-        """Their absolute paths, each once."""
+        """Absolute paths of the records, each once."""
         self._found: dict[str, set[str]] = {}
 
     def check(self) -> Iterator[Checked]:
-        """Each record, by itself and in its place."""
+        """Check each record by itself and in its place."""
         for path in self.records:
             yield self._check(path)
 
     def manifest_findings(self) -> Iterator[Problem]:
-        """What is wrong with manifests: damaged, naming what is not there, less than all, more."""
+        """Yield problems of manifests: damage, missing records, incomplete lists, other files."""
         folders = {f.folder: f for root in self._roots for f in self._folders.around(root)}
         for folder in folders.values():
             if folder.damage:
@@ -88,7 +88,7 @@ class Verification:
                     yield Problem(self._as_given(path), meaning)
 
     def notes(self) -> Iterator[str]:
-        """After the check: the present share of each campaign, and records without a manifest."""
+        """Yield notes after the check: shares of campaigns, records without a manifest."""
         for campaign, found in self._found.items():
             all_of_it = len(self._campaigns.cells(campaign))
             yield f"{len(found):,} of {all_of_it:,} records of {campaign}"
@@ -129,7 +129,7 @@ class Verification:
         )
 
     def _as_given(self, path: Path) -> Path:
-        """A path below one that was named, as that was written."""
+        """Return a path below a given one in the form in which that was given."""
         for root, given in self._roots.items():
             if root in (path, *path.parents):
                 return given / path.relative_to(root)

@@ -1,4 +1,4 @@
-"""The runs that were repeated and agreed, as a file: a long verification goes on where it ended."""
+"""Log of repeated runs that agreed, from which a long verification continues."""
 
 import re
 from collections.abc import Iterable
@@ -14,10 +14,10 @@ LINE = re.compile(rb"^([0-9a-f]{64}) (\d+)$", re.MULTILINE)
 
 
 class ReplayLog:
-    """A line for each run: SHA-256 of its record's file, and its seed.
+    """File with one line for each run: SHA-256 of its record's file, and its seed.
 
-    A record that changes is therefore another one. Code that changes is not seen: remove the file
-    after that.
+    A changed record therefore counts as a new one. Changes of code are not noticed: remove the
+    file after them.
     """
 
     def __init__(self, path: Path) -> None:
@@ -25,7 +25,7 @@ class ReplayLog:
         self._sha256 = cache(sha256)
 
     def among(self, runs: Iterable[Run]) -> set[Run]:
-        """Those of some runs that are in it. Raises UserError for a file that cannot be read."""
+        """Return the runs that are in the log. Raises UserError if it cannot be read."""
         if not self._path.exists():
             return set()
         content = read_bounded(self._path, MAX_BYTES)
@@ -33,7 +33,7 @@ class ReplayLog:
         return {(path, seed) for path, seed in runs if (self._sha256(path), seed) in there}
 
     def add(self, run: Run) -> None:
-        """Append a run. Raises UserError where the file cannot be written."""
+        """Append a run. Raises UserError if the log cannot be written."""
         path, seed = run
         try:
             with self._path.open("a", encoding="utf-8") as file:

@@ -1,6 +1,6 @@
 """Replays: runs repeated from their seeds and compared with their records, bit for bit.
 
-docs/verification.md has how far bits travel, and so what a difference can mean.
+docs/verification.md explains on which machines bits are equal, and so what a difference means.
 """
 
 import contextlib
@@ -34,21 +34,21 @@ class Replay:
     """A run, or its champion's held-out episodes, repeated until a value differs."""
 
     generations: int
-    """How many were repeated; 0 for held-out episodes."""
+    """Number of repeated generations; 0 for held-out episodes."""
     problem: Problem | None
-    """The first value that differs; None where every bit is the same."""
+    """The first value that differs; None if every bit is equal."""
     whole: bool = True
-    """Whether it came to its end, and not to that of the time."""
+    """Whether the run was repeated to its end, not only to the deadline."""
 
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """How much of some records was repeated whole, and so what that finds."""
+    """Share of records that was repeated to the end, and so the chance to find a forgery."""
 
     runs: int
     of_runs: int
     cells: int
-    """In how many cells these runs are."""
+    """Number of cells of these runs."""
     of_cells: int
 
     def __str__(self) -> str:
@@ -57,16 +57,16 @@ class Coverage:
 
 
 def coverage(cells: Mapping[Run, str], repeated: Iterable[Run]) -> Coverage:
-    """What repeating some of the runs finds; their cells are given for all runs."""
+    """Return the coverage by the repeated runs; `cells` has the cell of every run."""
     found = {run for run in repeated if run in cells}
     names = {cells[run] for run in found}
     return Coverage(len(found), len(cells), len(names), len(set(cells.values())))
 
 
 def draw(cells: Mapping[Run, str], seed: int) -> list[Run]:
-    """All runs in a random order that gives cells equal weight, whatever their runs.
+    """Return all runs in a random order that gives all cells equal weight.
 
-    Of each cell there is one run, in a random order, then a second of each, and so on.
+    First comes one run of each cell, in a random order, then a second of each, and so on.
     """
     chance = random.Random(seed)
     every = sorted(cells)
@@ -82,9 +82,9 @@ def draw(cells: Mapping[Run, str], seed: int) -> list[Run]:
 def replay(run: Run, generations: int | None = None, deadline: float = math.inf) -> Replay:
     """Repeat a run's first generations, or all of it.
 
-    With its last generation digest, champion and held-out episodes are compared too. At the
-    deadline, a time of `time.monotonic`, it ends with the generation that is under way.
-    Raises UserError for a rule or an environment that is not known here.
+    With the last generation, digest, champion and held-out episodes are compared too. At the
+    deadline, a time of `time.monotonic`, it ends with the current generation. Raises UserError
+    for an unknown rule or environment.
     """
     record, info, evolution = _begin(run)
     last = len(record.rows_of(info.seed)["generation"])
@@ -112,7 +112,7 @@ def replay_champion(run: Run) -> Replay:
 
 
 def _begin(run: Run) -> tuple[Record, SeedInfo, Evolution]:
-    """What is stored of a run, and the run before its first generation."""
+    """Return a run's record and results, and the run before its first generation."""
     path, seed = run
     record = read_record(path)
     info, spec = record.info(seed), record.spec_of(seed)
@@ -125,7 +125,7 @@ def _begin(run: Run) -> tuple[Record, SeedInfo, Evolution]:
 def _generation(
     record: Record, info: SeedInfo, evolution: Evolution, engine: Engine
 ) -> Iterator[Value]:
-    """What is stored of a run's next generation, beside what it gives now."""
+    """Yield the stored values of a run's next generation beside the replayed ones."""
     stored = record.rows_of(info.seed)
     row = evolution.step(engine)
     for column in COLUMNS:
@@ -134,7 +134,7 @@ def _generation(
 
 
 def _end(info: SeedInfo, evolution: Evolution, engine: Engine) -> Iterator[Value]:
-    """What is stored of a run's end, beside what it gives now."""
+    """Yield the stored values of a run's end beside the replayed ones."""
     yield None, "digest", info.digest, evolution.state.digest
     champion = Champion.of(evolution.champion())
     for name, old in info.champion:
@@ -158,11 +158,11 @@ def _first_difference(run: Run, values: Iterable[Value]) -> Problem | None:
 
 
 def _differ(old: object, new: object) -> bool:
-    return repr(old) != repr(new)  # which tells -0.0 from 0.0 and every two floats apart
+    return repr(old) != repr(new)  # distinguishes -0.0 from 0.0, and all other floats
 
 
 def _item(column: str, old: object, new: object) -> tuple[str, object, object]:
-    """The first item that differs, where both values are sequences of the same length."""
+    """Return the first item that differs, if both values are sequences of equal length."""
     while isinstance(old, tuple) and isinstance(new, tuple) and len(old) == len(new):
         pairs = enumerate(zip(old, new, strict=True))
         place, (old, new) = next(each for each in pairs if _differ(*each[1]))

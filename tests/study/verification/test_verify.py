@@ -80,12 +80,12 @@ def test_a_manifest_of_several_budgets_or_of_nothing_is_refused(
 
 def test_a_manifest_above_a_budget_s_folder_is_refused(campaign: Path, tmp_path: Path) -> None:
     shutil.copytree(campaign, tmp_path / "smoke")
-    with pytest.raises(UserError, match=r"smoke/.* first/smoke has no record of this name; a man"):
+    with pytest.raises(UserError, match=r"smoke/.* first/smoke has no record of this name; write"):
         write_manifest(tmp_path)
     assert not (tmp_path / NAME).exists()
 
 
-def test_what_no_manifest_vouches_for_is_said(campaign: Path, tmp_path: Path) -> None:
+def test_records_without_a_manifest_are_reported(campaign: Path, tmp_path: Path) -> None:
     (tmp_path / "a.parquet").write_bytes((campaign / OJA).read_bytes())
     for path in (tmp_path, tmp_path / "a.parquet"):
         outcome = neol("verify", path)
