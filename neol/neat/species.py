@@ -188,7 +188,7 @@ def _distances_of_all_genes(
     c3: float,
     distances: npt.NDArray[np.float64],
 ) -> None:
-    """The distance of neat-python 0.92: a sum over nodes, and one over connections."""
+    """Write the distances of neat-python 0.92: a sum over nodes plus one over connections."""
     all_nodes, node_offset, all_connections, connection_offset = pool
     for genome in range(len(distances)):
         nodes = all_nodes[node_offset[genome] : node_offset[genome + 1]]

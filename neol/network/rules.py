@@ -19,9 +19,9 @@ Change = Callable[[float, float, float, float], float]
 
 NO_RULE = "none"
 WITHOUT_RULE = ("neat", "neat_wo")
-"""Methods without online learning. Every other one but `MUTATED` has the name of its rule."""
+"""Methods without online learning. All others except `MUTATED` have the name of their rule."""
 MUTATED = ("bcm_mutated", "hebb_mutated", "oja_mutated")
-"""The paper's rules with weight mutation, which the paper does not run: they complete the
+"""The paper's rules with weight mutation. The paper does not run them; they complete the
 two-by-two of rule and weight mutation."""
 
 

@@ -68,13 +68,13 @@ def make_environment(task: Task, render_mode: str | None = None) -> gymnasium.En
 
 
 def uses_mujoco(task: Task) -> bool:
-    """Whether Gymnasium's registry says that MuJoCo simulates a task."""
+    """Whether MuJoCo simulates a task, by Gymnasium's registry."""
     registered = gymnasium.registry.get(task.environment)
     return registered is not None and "mujoco" in str(registered.entry_point)
 
 
 def import_mujoco() -> None:
-    """Import MuJoCo, and be it without the library that MUJOCO_GL names: a run draws nothing."""
+    """Import MuJoCo, if need be without the library in MUJOCO_GL, since a run draws nothing."""
     try:
         importlib.import_module("mujoco")
     except Exception:

@@ -124,11 +124,11 @@ class NeatConstants(Model):
     add_node_rate: Probability
     """Rate of new nodes (m_n)."""
     innovation: Literal["generation", "endpoints"]
-    """What makes two genes the same one.
+    """Condition under which two new genes are the same gene.
 
-    generation: the same mutation in one generation gives the same connection, or node.
-    endpoints: a connection is known by its source and target in the whole run, and each split
-    makes a node of its own (neat-python 0.92).
+    generation: the same mutation in one generation gives the same connection or node. endpoints:
+    source and target identify a connection in the whole run, and every split makes a new node
+    (neat-python 0.92).
     """
     new_node_bias: Literal["zero", "drawn"]
     """Bias of a node that splits a connection; drawn: as in generation 0."""
@@ -139,7 +139,7 @@ class NeatConstants(Model):
     survival_threshold: Annotated[float, Field(gt=0, le=1)]
     """Fraction of a species that may become parents (rho)."""
     equal_parents: Literal["smaller", "random"]
-    """Which of two equally fit parents gives the structure: the smaller, older one or either."""
+    """Parent that passes on its structure at equal fitness: the smaller, older one, or either."""
     elitism: NonNegativeInt
     """Genomes of each species that are copied unchanged (E)."""
     min_species_size: PositiveInt
@@ -207,7 +207,7 @@ class Budget(Model):
     seeds_per_job: ForEachTask
     """Runs of a cell in one job of the workflow: one number, or one for each task."""
     configurations: Literal["grid", "table4"] = "grid"
-    """Which cells of the grid: all, or of each rule the one of the paper's Table 4."""
+    """Cells of the grid that are run: all, or for each rule that of the paper's Table 4."""
 
     @property
     def seed_range(self) -> range:

@@ -75,7 +75,7 @@ def walltime_minutes(spec: RunSpec, seeds: int) -> int:
 
 
 def core_hours(configuration: Configuration) -> float | None:
-    """What a budget's grid costs by measurement, held-out episodes left out; None if unknown."""
+    """Return the measured cost of a budget's grid without held-out episodes; None if unknown."""
     first = [
         run_specs(configuration, Block(home(configuration), cell, 0, 0))[0]
         for cell in cells(configuration)

@@ -19,10 +19,10 @@ def shown_methods(budget: Budget) -> tuple[str, ...]:
 
 
 def mutated(rule: str) -> str:
-    """The method of a rule with weight mutation: the fourth cell of the two-by-two."""
+    """Return the method of a rule with weight mutation: the fourth cell of the two-by-two."""
     return f"{rule}_mutated"
 
 
 def without_mutation(method: str) -> str:
-    """The rule of such a method; any other method itself."""
+    """Return the rule of a method with weight mutation; any other method unchanged."""
     return method.removesuffix("_mutated")

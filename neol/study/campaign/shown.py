@@ -11,11 +11,11 @@ from neol.spec.readings import FIRST_READING
 from neol.spec.sources import by_dotted_key
 
 DEFAULT_BUDGET = "desk"
-"""Where none is named."""
+"""Budget that is shown by default."""
 TWO_BY_TWO = "two_by_two"
-"""The budget of the rules with weight mutation, which the paper does not have."""
+"""Budget of the rules with weight mutation, which the paper does not have."""
 SHOWN_READING = FIRST_READING
-"""Where none is named: that of the records that the repository has."""
+"""Reading that is shown by default: that of the shipped records."""
 
 
 def select(
@@ -35,9 +35,9 @@ def select(
 
 
 def two_by_two(configuration: Configuration) -> list[Configuration]:
-    """The budgets whose rules with weight mutation can be compared with a budget's methods.
+    """Return budgets whose rules with weight mutation can be compared with a budget's methods.
 
-    They have as many generations on the same task.
+    They have the same numbers of generations on the same tasks.
     """
     other = load_configuration(TWO_BY_TWO, reading=configuration.reading)
     ours, theirs = configuration.budget, other.budget
