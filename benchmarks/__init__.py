@@ -1,1 +1,1 @@
-"""Speed: the engines, the physics they stand on, and a peer, measured in one interleaved run."""
+"""Speed of the engines, their physics and a peer, measured in one interleaved run."""

@@ -63,7 +63,7 @@ COLUMNS = {
 }
 """Compared columns of a record, and their names."""
 FITNESS_MARGIN = {"cartpole": 50.0, "lunar_lander": 40.0}
-"""Differences of mean fitness that are small enough."""
+"""Largest difference of mean fitness that counts as agreement."""
 RATIO_MARGIN = 1.25
 """Ratio of mean numbers of species, nodes and connections that is small enough, either way."""
 CONFIDENCE = 0.90
@@ -71,7 +71,7 @@ CONFIDENCE = 0.90
 
 
 class Agreement(NamedTuple):
-    """How one quantity compares: differences for fitness, ratios for counts."""
+    """Comparison of one quantity: differences for fitness, ratios for counts."""
 
     task: str
     quantity: str
@@ -96,14 +96,14 @@ KEYS = ["comparison", "evolves", "task", "seed", "until"]
 
 
 def run_spec(reading: str, task: str, seed: int) -> RunSpec:
-    """A run of NEAT with the library's constants."""
+    """Return the specification of NEAT with the library's constants."""
     return load_configuration(reading=reading).run_spec(
         task=task, method="neat", population=POPULATION, generations=GENERATIONS, seed=seed
     )
 
 
 def our_generations(spec: RunSpec, engine: Engine) -> Iterator[tuple[float, ...]]:
-    """A run of ours: what is compared of each generation."""
+    """Run our NEAT; yield the compared quantities of each generation."""
     for row in Evolution.begin(spec, *network_size(spec.task)).run(engine):
         yield tuple(getattr(row, column) for column in COLUMNS)
 
@@ -180,7 +180,7 @@ def table(found: list[Agreement]) -> str:
 
 
 def write(runs: pd.DataFrame, path: Path = OUTPUT) -> None:
-    """Write all rows, after lines that say what made them."""
+    """Write all rows after lines on their provenance."""
     packages = ("neat-python", "numpy", "gymnasium")
     versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in packages)
     text = StringIO()
@@ -191,7 +191,7 @@ def write(runs: pd.DataFrame, path: Path = OUTPUT) -> None:
 
 
 def read(path: Path = OUTPUT) -> pd.DataFrame:
-    """What `write` wrote."""
+    """Read what `write` has written."""
     return pd.read_csv(path, comment="#")
 
 

@@ -1,4 +1,4 @@
-"""Network and plasticity in C: what a kernel's time is held against."""
+"""Network and plasticity in C, the reference for a kernel's time."""
 
 import ctypes
 import subprocess
@@ -18,7 +18,7 @@ FLAGS = ("-O3", "-ffp-contract=off", "-fPIC", "-shared")
 
 @cache
 def library() -> ctypes.CDLL:
-    """benchmarks/loop.c, compiled for this process."""
+    """Compile and load benchmarks/loop.c for this process."""
     source = Path(__file__).with_name("loop.c")
     with tempfile.TemporaryDirectory() as folder:
         compiled = Path(folder) / "loop.so"
@@ -27,7 +27,7 @@ def library() -> ctypes.CDLL:
 
 
 def play_back(recording: Recording, rule: str) -> npt.NDArray[np.float64]:
-    """What `recording.play_back(rule)` does, in C: the learned weights, float64[E]."""
+    """Do `recording.play_back(rule)` in C; return the learned weights, float64[E]."""
     networks, plasticity, log = recording.networks, recording.plasticity, recording.log
     weight, threshold = networks.weight.copy(), np.zeros_like(networks.bias)
     values = np.empty(networks.inputs + int(np.diff(networks.node_offset).max()))

@@ -1,4 +1,4 @@
-"""EnvPool's stepping alone, under the actions of the networks that our engine is measured with.
+"""EnvPool's stepping alone, under the actions of the networks of our engine's measurements.
 
 EnvPool (Weng et al. 2022) steps a batch of environments in C++; here it has one thread. Beforehand
 the networks play, and their actions are kept: an environment whose episode ends begins another one
@@ -22,7 +22,7 @@ from neol.spec.constants import Task
 Array = npt.NDArray[np.float64]
 
 AVAILABLE = find_spec("envpool") is not None
-"""There is no wheel for a Mac with an Intel processor."""
+"""Whether EnvPool is installed; it has no wheel for Macs with an Intel processor."""
 
 
 def batch_of(task: str) -> int:
@@ -31,16 +31,16 @@ def batch_of(task: str) -> int:
 
 
 class Play(NamedTuple):
-    """What a pool of environments was given, call by call."""
+    """Actions of a pool of environments, call by call."""
 
     actions: npt.NDArray[Any]
-    """[calls, environments] of the number of an action, or [calls, environments, outputs]."""
+    """Actions as numbers, [calls, environments], or as outputs, [calls, environments, outputs]."""
     steps: int
     """Environment steps; the other calls were resets."""
 
 
 def envpool_measurement(recording: Recording) -> Measurement:
-    """Microseconds per environment step, resets included, of one environment and of a batch."""
+    """Prepare the measurement of microseconds per step, with resets, of one and of a batch."""
     task = recording.task
     single = play(task, recording.networks, 1, calls=recording.steps)
     many = play(task, recording.networks, batch_of(task.name), calls=task.max_steps)
@@ -55,7 +55,7 @@ def envpool_measurement(recording: Recording) -> Measurement:
 
 
 def play(task: Task, networks: Networks, environments: int, calls: int) -> Play:
-    """Let networks without hidden nodes play in a pool."""
+    """Play networks without hidden nodes in a pool and record the actions."""
     weight, bias = _matrices(networks)
     pool = _make_pool(task, environments)
     observation, _ = pool.reset()
@@ -75,7 +75,7 @@ def play(task: Task, networks: Networks, environments: int, calls: int) -> Play:
 
 
 def seconds_of_envpool(task: Task, played: Play) -> float:
-    """CPU seconds of a pool that is given the same actions again."""
+    """Return the CPU seconds of a pool that repeats the recorded actions."""
     pool = _make_pool(task, played.actions.shape[1])
     pool.reset()
     start = time.process_time()
@@ -108,7 +108,7 @@ def _actions(space: Any, outputs: Array) -> npt.NDArray[Any]:
 
 
 def _matrices(networks: Networks) -> tuple[Array, Array]:
-    """Weights, float64[P, outputs, inputs], and biases, float64[P, outputs]."""
+    """Return weights, float64[P, outputs, inputs], and biases, float64[P, outputs]."""
     nodes, shape = len(networks.bias), (networks.population, networks.outputs)
     assert nodes == np.prod(shape), "no hidden nodes"
     weight = np.zeros((nodes, networks.inputs))

@@ -1,4 +1,4 @@
-"""What is measured: of which runs, how much, in which seconds.
+"""Size of the measurements, the measured runs, and the measurement of CPU time.
 
 Times of one core are the process's CPU time, so that a neighbour on the machine counts as little
 as possible; only two workers against one is wall time.
@@ -13,7 +13,7 @@ from neol.spec.run_spec import RunSpec
 
 Values = dict[str, float]
 Measurement = Callable[[], Values]
-"""Measures once and returns its values by name; `run` interleaves several."""
+"""Function that measures once and returns values by name; `run` interleaves several."""
 
 METHOD, RATE = "hebb", 2.5e-4  # the cheapest rule, for the peer too, at its rate of Table 3
 RULES = ("hebb", "oja", "bcm")
@@ -22,7 +22,7 @@ POPULATION = 50
 
 @dataclass(frozen=True)
 class Scale:
-    """How much is measured, for one task."""
+    """Size of the measurements of one task."""
 
     steps: int
     """Environment steps of a recording."""
@@ -31,7 +31,7 @@ class Scale:
     worker_run: int
     """Generations of the runs with one and two workers, P = 100."""
     short_run: int
-    """Generations of the runs that tell how long evaluations are, P = 50."""
+    """Generations of the runs that measure the length of evaluations, P = 50."""
 
 
 FULL = {
@@ -51,7 +51,7 @@ QUICK = {
 def run_spec_of(
     task: str, population: int, generations: int, *, method: str = METHOD, seed: int = 0
 ) -> RunSpec:
-    """A run with the paper's constants; a single held-out episode, which is not measured work."""
+    """Return a run with the paper's constants and one held-out episode, which is not measured."""
     configuration = load_configuration("paper", ["evaluation.held_out_episodes=1"])
     return configuration.run_spec(
         task=task,
@@ -64,7 +64,7 @@ def run_spec_of(
 
 
 def cpu_seconds(work: Callable[[], object], at_least: float = 0.05) -> float:
-    """CPU seconds of one call, from as many as it takes to fill the time."""
+    """Return the CPU seconds of one call, from as many calls as fit into the time."""
     calls, seconds = 0, 0.0
     while seconds < at_least:
         start = time.process_time()

@@ -1,4 +1,4 @@
-"""The networks that engines are measured with: of the initial topology, and large ones."""
+"""Networks for the measurements of engines: of the initial topology, and large ones."""
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,7 @@ FIXED_TOPOLOGY = ("neat.add_connection_rate=0", "neat.add_node_rate=0")
 def initial_topology(
     spec: RunSpec, engine: Engine, size: tuple[int, int], generations: int
 ) -> Networks:
-    """A population of the initial topology, its weights evolved for some generations.
+    """Return a population of the initial topology with weights evolved for some generations.
 
     Unevolved ones fall or crash within a few steps, which is not what an engine mostly plays.
     """
@@ -39,7 +39,7 @@ def initial_topology(
 
 
 def large(spec: RunSpec, size: tuple[int, int], population: int) -> Networks:
-    """Random networks with 30 hidden nodes and 300 of all possible connections."""
+    """Return random networks with 30 hidden nodes and 300 of all possible connections."""
     random = np.random.default_rng(0)
     inputs, outputs = size
     nodes = HIDDEN + outputs
@@ -65,7 +65,7 @@ def large(spec: RunSpec, size: tuple[int, int], population: int) -> Networks:
 
 
 def recording_of(spec: RunSpec, engine: Engine, networks: Networks, steps: int) -> Recording:
-    """Episodes of these networks, one each, over and over until there are about so many steps.
+    """Record episodes of these networks in turn until there are about `steps` steps.
 
     All networks play at least once: fewer episodes would not fill the engine's slots.
     """
@@ -85,7 +85,7 @@ def _cycle(networks: Networks, count: int) -> Networks:
 
 
 def join(batches: list[Networks]) -> Networks:
-    """One batch of several, in order."""
+    """Join batches in order."""
     first = batches[0]
     return first._replace(
         node_offset=_offsets([batch.node_offset for batch in batches]),

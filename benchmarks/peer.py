@@ -1,4 +1,4 @@
-"""The peer: the same algorithm as one writes it plainly on neat-python and Gymnasium.
+"""The peer: a plain implementation of the same algorithm on neat-python and Gymnasium.
 
 The network, its plasticity and the loop over steps are plain Python on neat-python's own
 FeedForwardNetwork; NEAT is neat-python's. neat-python is no dependency of neol: `make bench`
@@ -40,7 +40,7 @@ class PeerRun(NamedTuple):
 
 
 def run_spec(spec: RunSpec) -> PeerRun:
-    """The run of a specification, as far as neat-python has its constants."""
+    """Run a specification, as far as neat-python has its constants."""
     start = time.process_time()
     environment = gymnasium.make(
         spec.task.environment, max_episode_steps=spec.task.max_steps, disable_env_checker=True
@@ -69,7 +69,7 @@ def run_spec(spec: RunSpec) -> PeerRun:
 
 
 def play(environment: Any, network: Any, seed: int, plasticity: Plasticity) -> tuple[float, int]:
-    """One episode (Algorithm 2, lines 3-14): its return and its steps."""
+    """Play one episode (Algorithm 2, lines 3-14); return its return and its steps."""
     space = environment.action_space
     discrete = isinstance(space, gymnasium.spaces.Discrete)
     gate = plasticity.learning_rate * plasticity.reward_scale
@@ -92,7 +92,7 @@ def play(environment: Any, network: Any, seed: int, plasticity: Plasticity) -> t
 
 
 def learn(network: Any, plasticity: Plasticity, gate: float, threshold: dict[int, float]) -> None:
-    """Equations (1) to (3) for every connection, after every step (Algorithm 2, line 11)."""
+    """Apply Equations (1) to (3) to every connection (Algorithm 2, line 11)."""
     values, rule, limit = network.values, plasticity.rule, plasticity.weight_limit
     for node, _, _, _, _, links in network.node_evals:
         y = values[node]
@@ -118,7 +118,7 @@ def write_back(genome: Any, network: Any) -> None:
 
 
 def configuration(spec: RunSpec, environment: Any) -> Any:
-    """neat-python's configuration, through the file that it insists on."""
+    """Return neat-python's configuration, through the file that it requires."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "config"
         path.write_text(config_text(spec, environment))
@@ -137,7 +137,7 @@ def configuration(spec: RunSpec, environment: Any) -> Any:
 
 
 def config_text(spec: RunSpec, environment: Any) -> str:
-    """The specification's constants in neat-python's words."""
+    """Return the specification's constants under neat-python's names."""
     c = spec.neat
     space = environment.action_space
     outputs = space.n if isinstance(space, gymnasium.spaces.Discrete) else space.shape[0]

@@ -27,7 +27,7 @@ _PART_LABELS = ("network", "plasticity", "environment", "NEAT", "other")
 
 
 def plot(table: Table, path: Path) -> None:
-    """docs/benchmarks.png: times per step, and the shares of a run."""
+    """Draw docs/benchmarks.png: times per step, and the shares of a run."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,4 +1,4 @@
-"""What docs/ says of speed, all of it from docs/benchmarks.csv.
+"""Pages of docs/ on speed, made from docs/benchmarks.csv.
 
 `python -m benchmarks.report` makes page, plot and the numbers of scaling.md again from that file.
 """
@@ -22,7 +22,7 @@ DOCS = Path(__file__).resolve().parent.parent / "docs"
 
 
 def machine() -> dict[str, str]:
-    """What the values were measured on."""
+    """Describe the machine and versions of the measurements."""
     made = provenance()
     versions = {**made.versions, "neat-python": importlib.metadata.version("neat-python")}
     if envpool_steps.AVAILABLE:
@@ -37,7 +37,7 @@ def machine() -> dict[str, str]:
 
 
 def write(folder: Path, table: pd.DataFrame, about: Mapping[str, str]) -> None:
-    """Write benchmarks.csv, which begins with what it was measured on, and what is made of it."""
+    """Write benchmarks.csv, which begins with its machine and versions, and the pages from it."""
     lines = [f"# {name}: {text}\n" for name, text in about.items()]
     content = "".join(lines) + table.to_csv(index=False, float_format="%.6g")
     write_atomically(folder / "benchmarks.csv", content.encode())
@@ -45,7 +45,7 @@ def write(folder: Path, table: pd.DataFrame, about: Mapping[str, str]) -> None:
 
 
 def render(folder: Path) -> None:
-    """Make the page, the plot and, where it is, scaling.md's numbers from benchmarks.csv."""
+    """Make the page, the plot and, if it exists, the numbers of scaling.md from benchmarks.csv."""
     path = folder / "benchmarks.csv"
     lines = path.read_text(encoding="utf-8").splitlines()
     about = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# "))

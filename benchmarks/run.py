@@ -21,7 +21,7 @@ from neol.rollout import make_engine
 
 
 def main(command_line: Sequence[str] | None = None) -> None:
-    """Measure and write. Arguments are the command line's where None are given.
+    """Measure and write. Arguments are by default those of the command line.
 
     Raises UserError for wrong ones, and where something is missing that the measurements need.
     """
@@ -40,7 +40,7 @@ def main(command_line: Sequence[str] | None = None) -> None:
 
 
 def run(tasks: list[str], rounds: int, quick: bool) -> dict[Key, list[float]]:
-    """Everything measured: for each key its values, one for each round."""
+    """Measure everything; return for each key one value for each round."""
     values: dict[Key, list[float]] = defaultdict(list)
     scales = QUICK if quick else FULL
     measurements: list[tuple[str, str, Measurement]] = []
@@ -72,7 +72,7 @@ def run(tasks: list[str], rounds: int, quick: bool) -> dict[Key, list[float]]:
 def _prepare(
     task: str, scale: Scale, quick: bool, values: dict[Key, list[float]]
 ) -> list[tuple[str, Measurement]]:
-    """A task's measurements, warm: every kernel compiled, every library loaded."""
+    """Return a task's measurements after all kernels are compiled and libraries loaded."""
     measurements: list[tuple[str, Measurement]] = []
     recordings = steps.both_recordings(task, scale, generations=3 if quick else 8)
     for networks, recording in recordings.items():

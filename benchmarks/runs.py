@@ -1,4 +1,4 @@
-"""Whole runs: beside the peer, with two workers, of NEAT in grown populations; and their memory."""
+"""Whole runs: beside the peer, with two workers, NEAT in evolved populations, and memory."""
 
 import subprocess
 import sys
@@ -28,7 +28,7 @@ from neol.spec.run_spec import RunSpec
 
 @dataclass
 class MeasuringEngine:
-    """Passes batches on to an engine; knows how long they took and, if asked to, keeps them."""
+    """Engine that passes batches on to another, measures their time and optionally keeps them."""
 
     engine: Engine
     keep: bool = False
@@ -62,12 +62,12 @@ NEAT_PARTS = {
     "reproduce": (Reproduction, "reproduce"),
     "initial": (Reproduction, "initial_population"),
 }
-"""The calls that NEAT consists of in a step of an evolution."""
+"""Calls of NEAT in a step of an evolution."""
 
 
 @contextmanager
 def timed_parts() -> Iterator[Values]:
-    """CPU seconds that each part of NEAT takes while the context lasts."""
+    """Measure the CPU seconds of each part of NEAT during the context."""
     seconds = dict.fromkeys(NEAT_PARTS, 0.0)
 
     def timed(part: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -87,7 +87,7 @@ def timed_parts() -> Iterator[Values]:
 
 
 def whole_run_measurements(spec: RunSpec, engine: Engine) -> dict[str, Measurement]:
-    """A whole run of ours and of the peer, and what the episodes of ours consist of.
+    """Prepare the measurement of a whole run of ours and the peer, and parts of our episodes.
 
     `run_seed` is all that `neol run` does but for writing the record. Its time splits into the
     calls of the engine, the calls of NEAT and the rest (statistics, digest). To split
@@ -136,7 +136,7 @@ def whole_run_measurements(spec: RunSpec, engine: Engine) -> dict[str, Measureme
 
 
 def worker_measurement(spec: RunSpec) -> Measurement:
-    """Wall seconds of a run's generations with one worker and with two, one after the other.
+    """Prepare the measurement of a run's wall seconds with one worker and with two, in turn.
 
     And what share of the one worker's CPU time lies outside the engine: that stays one worker's.
     """
@@ -165,7 +165,7 @@ def worker_measurement(spec: RunSpec) -> Measurement:
 
 
 class NoEnvironment:
-    """An engine in which nothing happens: random fitness, weights as they were."""
+    """Engine without episodes: random fitness, unchanged weights."""
 
     name = "none"
 
@@ -191,7 +191,7 @@ class NoEnvironment:
 def neat_after(
     task: str, population: int, generations: int, timed: int = 10
 ) -> tuple[Values, Measurement]:
-    """NEAT's milliseconds a generation once a population has grown for so many generations.
+    """Measure NEAT's milliseconds per generation in a population evolved for some generations.
 
     The growth is synthetic: real NEAT with the task's inputs and outputs, but random fitness.
     Returns what has grown, and the measurement, which goes on by some generations at each call.
@@ -222,7 +222,7 @@ def neat_after(
 
 
 def short_run(task: str, method: str, generations: int) -> Values:
-    """A real run: steps per evaluation over all and over its last third, CPU time per step."""
+    """Measure a real run: steps per evaluation, in all and in its last third, CPU time per step."""
     spec = run_spec_of(task, POPULATION, generations, method=method)
     with closing(make_engine(spec.task, "fast")) as engine:
         start = time.process_time()
@@ -237,7 +237,7 @@ def short_run(task: str, method: str, generations: int) -> Values:
 
 
 def peak_memory(task: str, population: int, generations: int) -> Values:
-    """Peak resident memory of a run in a process of its own, in megabytes, kernels compiled."""
+    """Return the peak memory in megabytes of a run in its own process, with compiled kernels."""
 
     def megabytes(generations: int) -> float:
         command = [sys.executable, "-W", "ignore", "-m", "benchmarks.memory"]

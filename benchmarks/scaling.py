@@ -21,7 +21,7 @@ HOUR = 3600
 
 
 def replace_generated(text: str, generated: str) -> str:
-    """The text with everything between its two markers replaced."""
+    """Replace everything between the two markers of a text."""
     before, _, rest = text.partition(BEGIN)
     _, marker, after = rest.partition(END)
     assert marker, f"no {BEGIN} ... {END}"
@@ -36,13 +36,13 @@ def scaling(table: Table, about: Mapping[str, str]) -> str:
 
 
 def prediction(get: Get, budget: str) -> str:
-    """What a budget costs: by task, by run, and in days."""
+    """Describe the cost of a budget: by task, by run, and in days."""
     costs = _costs(get, budget)
     return f"{_core_hours(costs)}\n{_runs(costs)}\n{_wall(costs)}"
 
 
 def comparison(get: Get, budget: str) -> str:
-    """The prediction for those of a budget's blocks that have a record, beside what these say."""
+    """Compare the predicted cost of a budget's existing records with their measured cost."""
     parts = []
     for cost in _costs(get, budget):
         path, spec = ROOT / cost.job.record, cost.job.spec
@@ -58,7 +58,7 @@ def comparison(get: Get, budget: str) -> str:
 
 
 def spent(budget: str) -> str:
-    """What the records of a budget say that they took, the sensitivity study's apart."""
+    """Return the measured cost of a budget's records, and that of its sensitivity study."""
     parts = []
     for job in jobs(select(budget)):
         if (ROOT / job.record).exists():
@@ -109,7 +109,7 @@ def _costs(get: Get, budget: str) -> list[Cost]:
 
 
 def _sums(parts: Iterable[tuple[str, Sequence[float]]]) -> list[tuple[str, list[float]]]:
-    """Sums by task, under the task's title, and over all."""
+    """Return sums by task, under the task's title, and over all."""
     sums: dict[str, list[float]] = {}
     for task, values in parts:
         before = sums.get(TITLES[task], [0.0] * len(values))
@@ -141,7 +141,7 @@ def _measured(table: Table) -> str:
 
 
 def _core_hours(costs: Iterable[Cost]) -> str:
-    """Million evaluations and core-hours by task; the runs of Table 1 are those of Table 3."""
+    """Tabulate million evaluations and core-hours by task; runs of Table 1 are those of Table 3."""
     chosen = {(*key, *setting) for key, setting in settings(3).items()}
     parts = []
     for cost in costs:
@@ -160,7 +160,7 @@ def _core_hours(costs: Iterable[Cost]) -> str:
 
 
 def _runs(costs: Iterable[Cost]) -> str:
-    """Minutes of one run by task, method and P, and hours of the longest job."""
+    """Tabulate minutes of one run by task, method and P, and hours of the longest job."""
     minutes: dict[tuple[str, str], dict[int, float]] = defaultdict(dict)
     most: dict[tuple[str, str], tuple[float, float, int]] = {}
     for cost in costs:
@@ -185,7 +185,7 @@ def _runs(costs: Iterable[Cost]) -> str:
 
 
 def _wall(costs: Sequence[Cost]) -> str:
-    """Days on so many cores, each of which takes the next job when it has done one."""
+    """Tabulate days on several cores, each of which takes the next job when it is free."""
     usual, longest = [cost.seconds for cost in costs], [cost.longest for cost in costs]
     rows = [
         [f"{cores:,}", number(_days(usual, cores)), number(_days(longest, cores))]

@@ -32,7 +32,7 @@ from neol.spec.constants import Task
 
 
 def both_recordings(task: str, scale: Scale, generations: int) -> dict[str, Recording]:
-    """Episodes of small and of large networks; all that plays them is compiled afterwards."""
+    """Record episodes of small and of large networks, which compiles all engines."""
     spec = run_spec_of(task, POPULATION, 1)
     engine = make_engine(spec.task, "fast")
     size = network_size(spec.task)
@@ -49,7 +49,7 @@ def both_recordings(task: str, scale: Scale, generations: int) -> dict[str, Reco
 
 
 def engine_measurements(recording: Recording) -> dict[str, Measurement]:
-    """Microseconds per environment step of everything that can play these episodes."""
+    """Prepare the measurement of microseconds per step of all that can play these episodes."""
     per_step = 1e6 / recording.steps
     reference = ReferenceEngine(recording.task)
     paths = engines_by_path(recording.task)
@@ -80,7 +80,7 @@ def engine_measurements(recording: Recording) -> dict[str, Measurement]:
 
 
 def engines_by_path(task: Task) -> dict[str, Engine]:
-    """An engine for each path that Box2D's physics can take here; none for other tasks."""
+    """Return an engine for each available path of Box2D's physics; none for other tasks."""
     if task.environment not in box2d.TASKS:
         return {}
     core = box2d.load()
@@ -101,7 +101,7 @@ def _mean_of(seconds: Callable[[Recording], float], recording: Recording) -> flo
 
 
 def c_measurement(recording: Recording) -> Measurement:
-    """Network and plasticity of large networks, by rule: our kernels, and the same loop in C."""
+    """Prepare the measurement of large networks by rule: our kernels and a loop in C."""
     per_step = 1e6 / recording.steps
 
     def both() -> Values:

@@ -1,4 +1,4 @@
-"""From measured values to a table of medians: ratios, shares, and how a number is written."""
+"""Table of medians from measured values: ratios, shares, and the format of numbers."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
@@ -11,10 +11,10 @@ from neol.rollout.worlds.box2d.library import PATHS
 from neol.study.campaign.cost import NEAT_POPULATION
 
 Key = tuple[str, str, str]
-"""Quantity, task, networks; empty where it is of no particular task or networks."""
+"""Quantity, task, networks; empty for no particular task or networks."""
 Array = npt.NDArray[np.float64]
 Rounds = Mapping[Key, list[float]]
-"""What was measured: one value for each round."""
+"""Measured values by key: one for each round."""
 Get = Callable[..., Array]
 
 TITLES = {
@@ -27,7 +27,7 @@ PARTS = ("network", "plasticity", "environment", "neat", "other")
 
 
 def summarise(values: Rounds) -> pd.DataFrame:
-    """Median, least and greatest over the rounds of everything measured and derived."""
+    """Return median, least and greatest over the rounds of everything measured and derived."""
     everything: dict[Key, Sequence[float] | Array] = {**values, **_derived(values)}
     rows = [
         {
@@ -45,7 +45,7 @@ def summarise(values: Rounds) -> pd.DataFrame:
 
 
 def _derived(values: Rounds) -> dict[Key, Array]:
-    """Ratios and shares, each within a round."""
+    """Derive ratios and shares, each within a round."""
     derived: dict[Key, Array] = {}
     for task in dict.fromkeys(task for _, task, _ in values):
 
@@ -108,7 +108,7 @@ def _kernel_ratios(get: Get) -> dict[str, Array]:
 
 
 class Table:
-    """The measured medians by quantity, task and networks; None where there is none."""
+    """Return a measured median by quantity, task and networks; None if not measured."""
 
     def __init__(self, frame: pd.DataFrame) -> None:
         keys = zip(frame["quantity"], frame["task"], frame["networks"], strict=True)
@@ -121,7 +121,7 @@ class Table:
 
 
 def number(value: float | None) -> str:
-    """Three digits, and a dash for what was not measured."""
+    """Format a value with three digits, or a dash if it was not measured."""
     if value is None:
         return "–"
     if abs(value) >= 100:
@@ -134,7 +134,7 @@ def percent(value: float | None) -> str:
 
 
 def markdown(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table, its first column to the left and the others to the right."""
+    """Return a Markdown table, the first column aligned left and the others right."""
     header = list(header)
     lines = [header, ["---", *["---:"] * (len(header) - 1)], *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"

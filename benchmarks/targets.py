@@ -1,4 +1,4 @@
-"""What the measured values are held against."""
+"""Targets of the measured values."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ class Target:
     networks: str = ""
     unit: str = ""
     or_else: tuple[str, float] | None = None
-    """Another quantity and its upper bound: one of the two suffices."""
+    """Alternative quantity and its upper bound; one of the two suffices."""
 
     def row(self, table: Table) -> list[str] | None:
         value = table.get(self.quantity, self.task, self.networks)
@@ -39,7 +39,7 @@ class Target:
 
 
 def targets() -> list[Target]:
-    """All of them, as ratios in one interleaved run."""
+    """Return all targets, as ratios in one interleaved run."""
     faster = {"cartpole": 80, "lunar_lander": 18, "bipedal_walker": 12, "hopper": 3}
     neat = {"lunar_lander": 0.06, "hopper": 0.01, "bipedal_walker": 0.01, "cartpole": 0.4}
     physics = {

@@ -1,4 +1,4 @@
-"""Recorded episodes, so that every measurement meets the very same steps.
+"""Recorded episodes, so that all measurements use exactly the same steps.
 
 `record` lets networks play in the fast engine and keeps what passed between them and the world.
 Then the physics is stepped again under the recorded actions, without network or learning; and
@@ -40,17 +40,17 @@ def copy(source: Array, target: Array) -> None:
 
 
 class Recorder(NamedTuple):
-    """A world of one slot that passes everything on to another one and keeps it."""
+    """World of one slot that passes everything on to another and records it."""
 
     world: Any
     row: npt.NDArray[np.int64]
-    """int64[1]: rows in use."""
+    """int64[1]: number of rows in use."""
     observation: Array
-    """float64[rows, inputs]: one of each reset and of each step."""
+    """float64[rows, inputs]: observation of each reset and each step."""
     output: Array
-    """float64[rows, outputs]: of a step that led to the row's observation."""
+    """float64[rows, outputs]: outputs of the step that led to the row's observation."""
     reward: Array
-    """float64[rows]: of that step."""
+    """float64[rows]: reward of that step."""
     ended: npt.NDArray[np.bool_]
     """bool[rows]: whether it ended the episode."""
 
@@ -83,7 +83,7 @@ class Recorder(NamedTuple):
 
 
 class Playback(NamedTuple):
-    """A world of one slot that gives recorded observations and rewards to any network."""
+    """World of one slot that gives recorded observations and rewards to any network."""
 
     row: npt.NDArray[np.int64]
     observation: Array
@@ -118,7 +118,7 @@ class Playback(NamedTuple):
 
 @dataclass(frozen=True)
 class Recording:
-    """Episodes of a batch of networks, one episode each."""
+    """Recorded episodes of a batch of networks, one episode each."""
 
     task: Task
     engine: FastEngine
@@ -134,20 +134,20 @@ class Recording:
         return int(self.rollouts.steps.sum())
 
     def episodes(self) -> Iterator[tuple[np.uint64, Array]]:
-        """Each episode's seed and its network's outputs, float64[steps, outputs]."""
+        """Yield each episode's seed and its network's outputs, float64[steps, outputs]."""
         row = 0
         for seed, steps in zip(self.seeds[:, 0], self.rollouts.steps[:, 0], strict=True):
             yield seed, self.log.output[row + 1 : row + 1 + steps]
             row += 1 + steps
 
     def playback(self) -> Engine:
-        """An engine for these networks in which the world costs nothing."""
+        """Return an engine for these networks in which the world takes no time."""
         log = self.log
         world = Playback(np.zeros(1, dtype=np.int64), log.observation, log.reward, log.ended)
         return FastEngine(lambda: SimpleNamespace(world=world, slots=1), self.task.max_steps)
 
     def play_back(self, rule: str) -> Rollouts:
-        """Let the networks play again, learning by a rule, in recorded episodes."""
+        """Play the recorded episodes again with networks that learn by a rule."""
         plasticity = self.plasticity.model_copy(update={"rule": rule})
         return self.playback().evaluate(self.networks, self.seeds, plasticity)
 
@@ -159,7 +159,7 @@ def record(
     seeds: npt.NDArray[np.uint64],
     plasticity: Plasticity,
 ) -> Recording:
-    """Play one episode with each network and keep all of it."""
+    """Play and record one episode with each network."""
     assert isinstance(engine, FastEngine)
     assert seeds.shape[1] == 1
     rollouts = engine.evaluate(networks, seeds, plasticity)
@@ -183,7 +183,7 @@ def record(
 
 
 def seconds_of_physics(recording: Recording) -> float:
-    """CPU seconds of the physics' own steps under the recorded actions.
+    """Return the CPU seconds of the physics' steps under the recorded actions.
 
     LunarLander and BipedalWalker: the core's `neol_physics`, which sets forces and motors, calls
     the unmodified b2World::Step and, for the walker, casts its ten rays by b2World::RayCast.
@@ -206,7 +206,7 @@ def seconds_of_physics(recording: Recording) -> float:
 
 
 def seconds_of_resets(recording: Recording) -> float:
-    """CPU seconds of our engine's resets: each from its seed to the first observation."""
+    """Return the CPU seconds of our engine's resets, from the seed to the first observation."""
     simulation = recording.engine.make_simulation()
     start = time.process_time()
     _reset_all(simulation.world, recording.seeds, np.empty((1, recording.networks.inputs)))
@@ -222,7 +222,7 @@ def _reset_all(world: Any, seeds: npt.NDArray[np.uint64], observation: Array) ->
 
 
 def _replay(task: Task, world: Any, outputs: Array) -> Callable[[], None]:
-    """A function that steps the physics through an episode's actions."""
+    """Return a function that steps the physics through an episode's actions."""
     actions = np.clip(outputs, -1.0, 1.0).astype(np.float32)
     if task.environment == "Hopper-v4":
         controls = actions.astype(np.float64)
@@ -244,7 +244,7 @@ def _step_mujoco(world: Any, controls: Array) -> None:
 
 
 def seconds_of_gymnasium(recording: Recording) -> float:
-    """CPU seconds of Gymnasium's `env.step` alone under the recorded actions."""
+    """Return the CPU seconds of Gymnasium's `env.step` alone under the recorded actions."""
     environment = make_environment(recording.task)
     seconds = 0.0
     for seed, outputs in recording.episodes():
