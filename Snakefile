@@ -6,6 +6,10 @@ specification; times of files do not matter.
 """
 
 
+# All paths are from here, wherever `snakemake -s` is typed.
+workdir: workflow.basedir
+
+
 include: "rules/common.smk"
 include: "rules/report.smk"
 

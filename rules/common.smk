@@ -25,7 +25,11 @@ from neol.study.campaign.shown import (
     select,
 )
 from neol.study.workflow.exhibits import GRID, by_notebook, exhibits, records
-from neol.study.workflow.snakemake import clear_stale_locks, pattern
+from neol.study.workflow.snakemake import (
+    clear_stale_locks,
+    pattern,
+    refuse_unknown_exhibits,
+)
 
 # The Python of this environment, also if it is not activated: `conda:` below only documents the software, because
 # `snakemake --lint` requires it. Jupyter finds this environment's kernel before any other of its name, such as a
@@ -56,6 +60,8 @@ try:
         TASKS,
         with_changes(str(config.get("reading", SHOWN_READING)), config.get("set")),
     )
+    refuse_unknown_exhibits(sys.argv[1:], CONFIGURATION)
+    ALIVE = clear_stale_locks()
 except UserError as error:
     sys.exit(f"neol: {error}")
 READING = CONFIGURATION.reading
@@ -64,7 +70,6 @@ FIGURES, RESULTS_PAGE = (
 )
 # Folder of executed notebooks and of logs.
 PLACE = full_label(CONFIGURATION)
-ALIVE = clear_stale_locks()
 JOBS = {str(job.record): job for job in jobs(CONFIGURATION)}
 GRID_RECORDS = [path for path, job in JOBS.items() if job.part != SENSITIVITY]
 

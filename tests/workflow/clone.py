@@ -69,20 +69,22 @@ def make_records(clone: Path, wanted: Callable[[Job], bool]) -> None:
         run_block(job.spec, job.seeds, clone / job.record, budget="smoke", reading=job.reading)
 
 
-def snakemake(clone: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run snakemake in a clone, with the clone's own code."""
+def snakemake(
+    folder: Path, *arguments: str, code: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run snakemake in a folder, with the code of that clone or of another one."""
     return subprocess.run(
         [sys.executable, "-m", "snakemake", *arguments],
-        cwd=clone,
-        env=os.environ | {"PYTHONPATH": str(clone)},
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(code or folder)},
         capture_output=True,
         text=True,
     )
 
 
-def planned(clone: Path, *arguments: str) -> dict[str, int]:
+def planned(folder: Path, *arguments: str, code: Path | None = None) -> dict[str, int]:
     """Count the jobs of each rule that a dry run plans, without rules that only collect others."""
-    result = snakemake(clone, "--dry-run", *arguments)
+    result = snakemake(folder, "--dry-run", *arguments, code=code)
     assert result.returncode == 0, result.stderr
     counts = {rule: int(count) for rule, count in JOB_COUNT.findall(result.stdout)}
     assert counts or "Nothing to be done" in result.stdout, result.stdout

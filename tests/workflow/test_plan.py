@@ -221,6 +221,10 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
             ["tables", "--config", "budget=demo", "tasks=cartpole,hopper"],
             'budget demo has no task "hopper" (allowed: cartpole, lunar_lander)',
         ),
+        (
+            ["figures/table1.tex", "--config", "budget=paper"],
+            "budget paper makes no such file, did you mean figures/paper/table1.tex?",
+        ),
     ],
 )
 def test_what_cannot_be_made_is_refused_in_one_line(
@@ -236,8 +240,7 @@ def test_what_cannot_be_made_is_refused_in_one_line(
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["figures/table1.tex", "--config", "budget=paper"],
-        ["figures/paper/table1.tex"],
+        ["figures/paper/claims.tex"],
         [f"results/{SHOWN_READING}/{DEFAULT_BUDGET}/cartpole/nix.parquet"],
     ],
 )
@@ -245,6 +248,12 @@ def test_what_is_not_of_what_is_shown_has_no_rule(clone: Path, arguments: list[s
     result = snakemake(clone, "--dry-run", *arguments)
     assert result.returncode != 0
     assert f"No rule to produce {arguments[0]}" in result.stdout
+
+
+def test_it_may_be_asked_from_another_folder(clone: Path, tmp_path: Path) -> None:
+    arguments = "--snakefile", str(clone / "Snakefile"), *DEMO
+    assert planned(tmp_path, *arguments, code=clone) == NOTEBOOKS
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_no_record_is_deleted_with_all_output(clone: Path) -> None:

@@ -7,7 +7,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import IO
 
+from neol.base.errors import UserError
+from neol.spec.configuration import Configuration
 from neol.study.campaign.grid import RESULTS
+from neol.study.campaign.shown import figures_folder
+from neol.study.workflow.exhibits import exhibits
 
 
 def pattern(records: Iterable[Path]) -> str:
@@ -22,6 +26,27 @@ def pattern(records: Iterable[Path]) -> str:
     return "|".join(alternatives) or "(?!)"
 
 
+def refuse_unknown_exhibits(arguments: Iterable[str], configuration: Configuration) -> None:
+    """Raise UserError if an argument names a table or figure that is not made.
+
+    Snakemake would say only that no rule produces it.
+    """
+    made = exhibits(configuration.budget, "tables", "figures")
+    folder = figures_folder(configuration)
+    suffixes = {each.name: each.group.suffixes for each in made}
+    files = {f"{folder}/{name}.{suffix}" for name in suffixes for suffix in suffixes[name]}
+    for argument in arguments:
+        if not re.fullmatch(r"(\S+/)?(table|figure)\d+(\.\w+)?", argument) or argument in files:
+            continue
+        name = Path(argument).stem
+        meant = f"{folder}/{name}.{suffixes[name][0]}" if name in suffixes else ""
+        raise UserError(
+            f"{argument}: budget {configuration.budget.name} makes no such file"
+            f"{f', did you mean {meant}?' if meant else ''} (in {folder}/: {', '.join(suffixes)}; "
+            "--config budget=NAME for another budget)"
+        )
+
+
 def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:
     """Remove the locks of killed workflows; the caller must keep the returned file open.
 
@@ -29,11 +54,18 @@ def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:
     operating system, which ends with the process; getting it exclusively proves that no other
     workflow runs here. Without such locks, or if another machine came first, nothing is removed.
     Between the exclusive and the shared lock there is an instant without any (flock(2)); a
-    workflow that starts then finds no locks yet, since Snakemake makes them later.
+    workflow that starts then finds no locks yet, since Snakemake makes them later. Raises UserError
+    if the folder cannot be written.
     """
     try:
         folder.mkdir(exist_ok=True)
         file = (folder / "alive").open("a+")
+    except OSError as error:
+        raise UserError(
+            f"{folder.absolute()}: cannot be written ({error.strerror}); Snakemake needs it, even "
+            "for a dry run: copy the checkout (git clone) to where you may write"
+        ) from None
+    try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         pass

@@ -12,9 +12,11 @@ from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import Job, jobs
-from neol.study.workflow.snakemake import clear_stale_locks, pattern
+from neol.study.campaign.shown import select
+from neol.study.workflow.snakemake import clear_stale_locks, pattern, refuse_unknown_exhibits
 from tests.helpers.command import specification
 from tests.helpers.made_up import run
+from tests.helpers.refusal import refusal
 
 READING = "first+plasticity.write_back=false"
 JOBS = list(jobs(load_configuration("smoke", reading=READING)))
@@ -57,6 +59,7 @@ def test_a_pattern_matches_its_records_only() -> None:
 
 
 HOLD = """
+from neol.study.campaign.shown import select
 from neol.study.workflow.snakemake import clear_stale_locks
 alive = clear_stale_locks()
 print(flush=True)
@@ -96,3 +99,29 @@ def test_locks_of_another_machine_are_left(tmp_path: Path) -> None:
     (tmp_path / "locks" / "0.input.lock").touch()
     assert clear_stale_locks(tmp_path) is None
     assert any((tmp_path / "locks").iterdir())
+
+
+@pytest.mark.parametrize(
+    ("argument", "said"),
+    [
+        ("figures/table9.tex", "makes no such file (in figures/: table1, table2, "),
+        ("table1.pdf", "makes no such file, did you mean figures/table1.tex? (in "),
+        ("figure2", "makes no such file, did you mean figures/figure2.pdf? (in "),
+        ("figures/demo/table1.tex", "did you mean figures/table1.tex?"),
+    ],
+)
+def test_what_no_rule_makes_is_said_with_what_there_is(argument: str, said: str) -> None:
+    line = refusal(refuse_unknown_exhibits, ["--dry-run", argument], select())
+    assert line.startswith(f"{argument}: budget desk makes no such file")
+    assert said in line
+
+
+def test_what_is_made_is_not_refused() -> None:
+    targets = ["tables", "figures/table1.tex", "figures/figure2.png", "figures/report.html", "all"]
+    refuse_unknown_exhibits([*targets, "--config", "budget=desk"], select())
+
+
+def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    said = refusal(clear_stale_locks, tmp_path / "file" / ".snakemake")
+    assert "file/.snakemake: cannot be written (Not a directory); Snakemake needs it, even" in said
