@@ -60,6 +60,7 @@ neol.base.errors.UserError: unknown task "carpole", did you mean "cartpole"? (al
 """
 
 import importlib
+import importlib.metadata
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -103,6 +104,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return importlib.metadata.version("neol")
     for module, names in _MODULES.items():
         if name in names:
             return getattr(importlib.import_module(module), name)

@@ -2,6 +2,7 @@
 
 import ast
 import doctest
+import importlib.metadata
 import os
 import subprocess
 import sys
@@ -31,6 +32,10 @@ def test_the_examples_work(tmp_path: Path) -> None:
     options = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     script = f"import doctest, neol; print(doctest.testmod(neol, optionflags={options}))"
     assert in_a_process(script, tmp_path).startswith("TestResults(failed=0, attempted=1")
+
+
+def test_the_version_is_the_installed_one() -> None:
+    assert neol.__version__ == importlib.metadata.version("neol")
 
 
 def test_a_type_checker_sees_the_names_that_there_are() -> None:

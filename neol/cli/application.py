@@ -3,12 +3,14 @@
 import errno
 import io
 import os
+import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, TypeVar
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from neol.base.ending import BROKEN_PIPE, USER_ERROR, complain, discard_output
 from neol.base.errors import INTERRUPTED, UserError
@@ -34,6 +36,9 @@ EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EAGAIN)
 """Errors at a limit of files, memory or processes."""
 LONGEST_SUMMARY = 120
 """Largest length of a command's summary, in characters."""
+
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Commands(TyperGroup):
@@ -103,7 +108,35 @@ def _told(error: OSError | MemoryError) -> UserError:
     return UserError(f"{place}: {error.strerror}; fix that or choose another place")
 
 
-app = typer.Typer(
+class Command(TyperCommand):
+    """Command that names all of its missing options and arguments at once, with an example."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the words after a command's name."""
+        given, _, _ = self.make_parser(ctx).parse_args(list(args))
+        missing = [
+            each.opts[0] if each.opts[0].startswith("-") else each.metavar or each.name
+            for each in self.params
+            if each.required and given.get(each.name) in (None, ())
+        ]
+        if missing and not given.get("help") and not ctx.resilient_parsing:
+            example = re.sub(r" \\\n +", " ", self.epilog or "").partition("Examples:")[2].strip()
+            raise UserError(
+                f"{ctx.command_path} needs {', '.join(missing)}; "
+                f"for example: {example.splitlines()[0]} ({ctx.command_path} --help)"
+            )
+        return super().parse_args(ctx, args)
+
+
+class Application(typer.Typer):
+    """Typer's application, with our kind of command."""
+
+    def command(self, *args: Any, **options: Any) -> Callable[[Function], Function]:
+        """Declare a command."""
+        return super().command(*args, **{"cls": Command} | options)
+
+
+app = Application(
     cls=Commands,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -130,6 +163,20 @@ def neol(
     """NEOL: NEAT with reward-gated online plasticity, reproduced from seeded runs."""
     if context.invoked_subcommand is None:
         print(context.get_help())
+
+
+def refuse_exhibit(path: Path) -> Path:
+    """Return the path of a record. Raises UserError for a table or figure, made from records."""
+    if path.suffix in (".tex", ".csv", ".pdf", ".png", ".json"):
+        kind = next((each for each in ("table", "figure") if path.name.startswith(each)), "")
+        what = f"a {kind}, not a record" if kind else "not a record"
+        raise UserError(f"{path}: that is {what}; neol trace {path} names its records")
+    return path
+
+
+def refuse_exhibits(paths: list[Path]) -> list[Path]:
+    """Do the same for several paths."""
+    return [refuse_exhibit(path) for path in paths]
 
 
 def examples(*lines: str) -> str:
@@ -159,10 +206,14 @@ def one_reading(given: list[str] | None) -> str:
     return given[0] if given else DEFAULT_READING
 
 
+RecordPath = Annotated[
+    Path, typer.Argument(metavar="RECORD", help="Path of a record.", callback=refuse_exhibit)
+]
 BudgetOption = Annotated[
     str | None,
     typer.Option(
-        help="Budget that sets constants, a file of config/ such as desk; default: paper.",
+        help="Budget that sets constants: one of config/ such as desk, or the path of a .yaml file "
+        "like those; default: paper.",
         autocompletion=_budgets,
     ),
 ]

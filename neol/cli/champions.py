@@ -7,14 +7,13 @@ import typer
 
 from neol.base.ending import complain
 from neol.base.errors import UserError
-from neol.cli.application import DISAGREES, app, check_output, examples
+from neol.cli.application import DISAGREES, RecordPath, app, check_output, examples
 from neol.network.rules import find_rule
 
 if TYPE_CHECKING:
     from neol.champions.player import Player
 
 
-RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="Path of a record.")]
 SeedOption = Annotated[
     int | None, typer.Option(min=0, help="Seed of the champion's run; default: the first.")
 ]

@@ -19,6 +19,7 @@ from neol.cli.application import (
     one_reading,
 )
 from neol.network.rules import MUTATED, RULES, WITHOUT_RULE
+from neol.spec.types import LARGEST_SEED
 
 if TYPE_CHECKING:
     from neol.run.record import Record
@@ -138,7 +139,7 @@ def run(
             checkpoint_every=checkpoint_every,
             resume=resume,
             keep_partial=keep_partial,
-            budget=budget,
+            budget=None if budget is None else configuration.budget.name,
             reading=configuration.reading,
             on_generation=progress,
         )
@@ -150,16 +151,22 @@ def parse_seeds(text: str) -> list[int]:
     """Parse seeds like "3", "0-4" or "0,3,7-9" and sort them. Raises UserError."""
     seeds: list[int] = []
     for part in text.split(","):
-        match = re.fullmatch(r"(\d{1,18})(?:-(\d{1,18}))?", part.strip())
+        match = re.fullmatch(r"(\d+)(?:-(\d+))?", part.strip())
         if match is None:
             raise UserError(f"--seed {text}: give integers from 0 as 3, 0-4 or 0,3,7")
-        first, last = int(match[1]), int(match[2] or match[1])
+        first, last = _seed(match[1]), _seed(match[2] or match[1])
         if not 0 <= last - first < MAX_SEEDS:
             raise UserError(f"--seed {text}: {part} is not a range of 1 to {MAX_SEEDS} seeds")
         seeds.extend(range(first, last + 1))
     if len(set(seeds)) < len(seeds):
         raise UserError(f"--seed {text}: names a seed twice")
     return sorted(seeds)
+
+
+def _seed(digits: str) -> int:
+    if len(digits) > len(str(LARGEST_SEED)) or int(digits) > LARGEST_SEED:
+        raise UserError(f"--seed {digits}: the largest seed is {LARGEST_SEED}")
+    return int(digits)
 
 
 @contextlib.contextmanager

@@ -18,6 +18,8 @@ LISTED = 5
 
 def picture(folder: Path, status: Status) -> RenderableType:
     """Return the whole display; a small terminal cuts the end of the table."""
+    if status.done:
+        return Text(f"{summary(folder, status)}: all runs are done")
     lists = {
         "Latest": [_latest(run) for run in reversed(status.finished)],
         "Running, by the last checkpoint": [_under_way(each) for each in status.of("running")],
@@ -68,8 +70,6 @@ def _table(status: Status) -> RenderableType:
 def _outlook(status: Status) -> str:
     """Describe the estimated cost of the rest."""
     rows = [row for row in status.rows if row.states["done"] < row.states.total()]
-    if not rows:
-        return "All runs are done."
     hours = sum(row.core_hours or 0.0 for row in rows)
     unknown = dict.fromkeys(row.task for row in rows if row.core_hours is None)
     parts = [f"about {hours:,.2f} core-hours are left"] if hours else []

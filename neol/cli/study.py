@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from neol.cli.application import app, check_output, examples
+from neol.cli.application import app, check_output, examples, refuse_exhibits
 
 PIPED_WIDTH = 10_000
 """Width in characters without a terminal, so that no line is broken."""
@@ -32,7 +32,11 @@ def trace(
 def compare(
     records: Annotated[
         list[Path],
-        typer.Argument(metavar="RECORD", help="Records, or folders of one cell's records."),
+        typer.Argument(
+            metavar="RECORD",
+            help="Records, or folders of one cell's records.",
+            callback=refuse_exhibits,
+        ),
     ],
     output: Annotated[
         Path | None, typer.Option(help="Draw learning curves into a .png, .pdf or .svg.")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from neol.cli.application import DISAGREES, app, examples
+from neol.cli.application import DISAGREES, RecordPath, app, examples, refuse_exhibits
 
 if TYPE_CHECKING:
     from neol.study.verification.check import Problem
@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 
 
 @app.command(epilog=examples("neol digest a.parquet"))
-def digest(
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="Path of a record.")],
-) -> None:
+def digest(record: RecordPath) -> None:
     """Print each seed of a record and the digest of its trajectory."""
     from neol.run.record_file import read_record
 
@@ -60,7 +58,10 @@ def manifest(
 )
 def verify(
     paths: Annotated[
-        list[Path], typer.Argument(metavar="PATH", help="Records, or folders of records.")
+        list[Path],
+        typer.Argument(
+            metavar="PATH", help="Records, or folders of records.", callback=refuse_exhibits
+        ),
     ],
     replay: Annotated[
         str,

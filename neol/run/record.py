@@ -94,7 +94,7 @@ def campaign_name(reading: str | None, budget: str) -> str:
     return f"{reading}/{budget}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Record:
     """A block of runs that differ only in their seeds."""
 
@@ -108,6 +108,16 @@ class Record:
     """Rows with the columns of `SCHEMA`, sorted by seed and generation."""
     seeds: tuple[SeedInfo, ...]
     """Results of each run, sorted by seed."""
+
+    def __repr__(self) -> str:
+        """Show the runs in one line."""
+        spec, seeds = self.spec, [info.seed for info in self.seeds]
+        eta = f", eta={spec.plasticity.learning_rate:g}" if spec.plasticity.learns else ""
+        shown = str(seeds) if len(seeds) < 4 else f"[{seeds[0]}, ..., {seeds[-1]}] ({len(seeds)})"
+        return (
+            f"<Record of {spec.task.name}, {spec.method}, P={spec.population}{eta}, "
+            f"G={spec.generations}, seeds {shown}>"
+        )
 
     @property
     def campaign(self) -> str | None:

@@ -139,15 +139,14 @@ def load_configuration(
     `reading` is a label ("first+neat.elitism=3"); an override looks like "neat.elitism=3".
     Raises UserError: one line with file, key, value and what is allowed.
     """
-    if budget not in budgets():
-        raise UserError(f'unknown budget "{budget}"{hint(budget, budgets())}')
+    budget_file = _file_of(budget)
     overlay = Overlay()
     overlay.add_file(CONFIG / "base.yaml")
     _add_methods(overlay)
     reading_name, changes = split_label(reading)
     constants = read_reading(READINGS, reading_name).constants
     overlay.add((), constants, f"{READINGS.name}/{reading_name}.yaml")
-    overlay.add_file(CONFIG / f"{budget}.yaml")
+    overlay.add_file(budget_file)
     for change in changes:
         overlay.add_override(change, "--reading")
     for override in overrides:
@@ -157,7 +156,7 @@ def load_configuration(
     if "reading" in overlay.values:
         raise UserError(f"{overlay.place(('reading',))}: unknown key; --reading sets it")
     overlay.add(("reading",), reading, "--reading")
-    _name(overlay, ("budget",), budget)
+    _name(overlay, ("budget",), budget_file.stem)
     for task in overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ():
         _name(overlay, ("tasks", task), task)
     try:
@@ -177,6 +176,15 @@ def load_configuration(
                 raise UserError(f"{source}: budget.{name}: no number for {task}")
     label = _label(configuration, reading_name, changes)
     return configuration.model_copy(update={"reading": label})
+
+
+def _file_of(budget: str) -> Path:
+    """Return the file of a budget of `config/`, or the .yaml file that the budget is a path of."""
+    if budget.endswith(".yaml"):
+        return Path(budget)
+    if budget not in budgets():
+        raise UserError(f'unknown budget "{budget}"{hint(budget, [*budgets(), "PATH.yaml"])}')
+    return CONFIG / f"{budget}.yaml"
 
 
 def _label(configuration: Configuration, reading: str, changes: Sequence[str]) -> str:

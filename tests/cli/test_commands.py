@@ -9,7 +9,7 @@ import pytest
 from neol.base.errors import UserError
 from neol.cli.run import parse_seeds
 from neol.run.record_file import read_record
-from neol.spec.configuration import load_configuration
+from neol.spec.configuration import CONFIG, load_configuration
 from neol.spec.plain_yaml import parse_yaml
 from tests.helpers import troubled as troubled
 from tests.helpers.command import TINY, neol, refused, specification
@@ -173,9 +173,58 @@ def test_wrong_input_of_run(change: str, line: str, tmp_path: Path) -> None:
 
 def test_wrong_commands() -> None:
     assert "No such command 'rum'. Did you mean 'run'? (root --help says more)" in refused("rum")
-    assert "Missing option '--task' (root run --help says more)" in refused("run")
-    assert "Missing argument 'RECORD' (root digest --help says more)" in refused("digest")
     assert 'unknown budget "x"' in refused("config --budget x")
+
+
+def test_what_is_missing_is_said_at_once_with_an_example() -> None:
+    said = refused("run --task cartpole --seed 3")
+    assert said.startswith(
+        "neol: root run needs --method, --population, --generations, --output; "
+        "for example: neol run --task cartpole --method oja --population 50 "
+    )
+    assert "--generations 10 --seed 0-4 --output a.parquet (root run --help)" in said
+    assert "digest needs RECORD; for example: neol digest a.parquet (" in refused("digest")
+    assert "export needs --format, --output; for" in refused("export a.parquet")
+    assert neol("run --help").exit_code == 0
+
+
+def test_a_seed_above_the_limit_is_refused_with_the_limit() -> None:
+    limit = 2**63 - 1
+    assert parse_seeds(str(limit)) == [limit]
+    for seed in (str(limit + 1), f"0-{limit + 1}", "9" * 5000):
+        with pytest.raises(UserError, match=f"the largest seed is {limit}"):
+            parse_seeds(seed)
+
+
+def test_a_budget_may_be_a_file_of_ones_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (CONFIG / "smoke.yaml").read_text(encoding="utf-8")
+    (tmp_path / "mine.yaml").write_text(text + "neat:\n  elitism: 3\n", encoding="utf-8")
+    spec, settings = specification(f"run {TINY} --budget mine.yaml --output a.parquet", monkeypatch)
+    assert (spec.neat.elitism, settings["budget"]) == (3, "mine")
+    assert neol("config --budget ./mine.yaml").stdout.startswith("# Budget mine, reading default\n")
+    assert "no.yaml: cannot be read (No such file" in refused("config --budget no.yaml")
+    assert "mine.yaml: a campaign needs a budget of config/" in refused("status mine.yaml")
+
+
+@pytest.mark.parametrize(
+    ("command", "line"),
+    [
+        (
+            "show figures/table1.tex",
+            "figures/table1.tex: that is a table, not a record; neol trace",
+        ),
+        (
+            "digest figure2.pdf",
+            "figure2.pdf: that is a figure, not a record; neol trace figure2.pdf",
+        ),
+        ("verify a.parquet beyond.csv", "beyond.csv: that is not a record; neol trace beyond.csv"),
+        ("compare a.parquet table1.json", "table1.json: that is a table, not a record; neol trace"),
+    ],
+)
+def test_a_table_is_no_record(command: str, line: str) -> None:
+    assert line in refused(command)
 
 
 def test_records_that_are_none(tmp_path: Path) -> None:

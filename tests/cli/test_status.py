@@ -62,6 +62,15 @@ def test_watch_goes_on_until_the_grid_is_done(
     assert "results/first/smoke: 96 of 96 runs done, 32 of 32 cells" in outcome.stdout
 
 
+def test_when_all_is_done_there_is_one_line(smoke: Folder) -> None:
+    for status in smoke.job_statuses():
+        finish(status.job)
+    assert neol("status smoke").stdout == (
+        "results/first/smoke: 96 of 96 runs done, 32 of 32 cells, "
+        "126 of 126 of the sensitivity study: all runs are done\n"
+    )
+
+
 def interrupt(_seconds: float) -> None:
     raise KeyboardInterrupt
 

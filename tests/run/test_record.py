@@ -55,3 +55,12 @@ def test_runs_of_one_cell_join_by_seed() -> None:
     foreign = dataclasses.replace(other, spec=run_spec(population=9))
     with pytest.raises(AssertionError):
         join([one, foreign])
+
+
+def test_a_record_is_shown_in_one_line() -> None:
+    spec = run_spec(population=6, generations=1)
+    assert (
+        repr(evolve(spec, [0, 1])) == "<Record of cartpole, oja, P=6, eta=0.25, G=1, seeds [0, 1]>"
+    )
+    shown = "<Record of cartpole, neat, P=6, G=1, seeds [0, ..., 4] (5)>"
+    assert repr(evolve(run_spec("neat", population=6, generations=1), range(5))) == shown

@@ -44,6 +44,11 @@ class Status:
         return counts
 
     @property
+    def done(self) -> bool:
+        """Whether all runs are done, those of the sensitivity study too."""
+        return all(status.state == "done" for status in self.statuses)
+
+    @property
     def over(self) -> bool:
         """Whether the grid is done and no run is in progress."""
         runs = self.states()
