@@ -5,6 +5,7 @@ process only. Here the address is an argument like any other, so the kernel is c
 """
 
 import ctypes
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
@@ -12,12 +13,27 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from neol.base.kernel import PLAIN
+
+_plain: dict[int, Callable[..., Any]] = {}
+"""Python functions that plain kernels call in place of C functions, by their made-up addresses."""
+
 
 def address(function: Any) -> int:
     """Return the address of a ctypes function."""
     value = ctypes.cast(function, ctypes.c_void_p).value
     assert value is not None
     return value
+
+
+def plain_address(function: Callable[..., Any]) -> int:
+    """Return a number by which plain kernels can call a Python function."""
+    _plain[id(function)] = function
+    return id(function)
+
+
+def _call_plain(function: int, *arguments: Any) -> Any:
+    return _plain[function](*arguments)
 
 
 def _c_call(returns: types.Type, function: types.Type, arguments: tuple[types.Type, ...]) -> Any:
@@ -56,3 +72,7 @@ def call_void(_typing_context: Any, function: Any, *arguments: Any) -> Any:
 def call_int(_typing_context: Any, function: Any, *arguments: Any) -> Any:
     """Call a C function that returns an int: call_int(function, *arguments) (see `call_void`)."""
     return _c_call(types.int32, function, arguments)
+
+
+if PLAIN:
+    call_void = call_int = _call_plain  # type: ignore[assignment]

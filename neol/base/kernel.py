@@ -5,9 +5,15 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from numba.core.dispatcher import Dispatcher
 
 from neol.base.kernel_cache import KernelCache, kernel_folder
+
+PLAIN = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+"""Whether kernels stay plain Python (NUMBA_DISABLE_JIT=1), to debug them: the same bits, slowly."""
+if PLAIN:
+    np.seterr(all="ignore")  # compiled code does not warn of overflows either
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -37,6 +43,11 @@ def loop_kernel(function: Function) -> Function:
     CartPole step.
     """
     return _compiled(function, in_loop=True)
+
+
+def record_dtype(dtype: np.dtype[np.void]) -> np.dtype[np.void]:
+    """Return a dtype of the same bytes with fields that plain kernels can read as attributes."""
+    return np.dtype((np.record, dtype)) if PLAIN else dtype
 
 
 def _compiled(function: Function, in_loop: bool) -> Function:

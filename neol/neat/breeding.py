@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from neol.base.kernel import kernel
+from neol.base.kernel import kernel, record_dtype
 from neol.neat.genome import CONNECTION, NODE, Pool
 from neol.neat.innovations import Innovations
 from neol.neat.values import ValueRates, mutate_values
@@ -29,7 +29,9 @@ from neol.neat.variation import (
 from neol.random.pcg64 import State, next_double
 from neol.spec.constants import Neat
 
-PARENTS = np.dtype([("fitter", np.int64), ("other", np.int64), ("elite", np.bool_)], align=True)
+PARENTS = record_dtype(
+    np.dtype([("fitter", np.int64), ("other", np.int64), ("elite", np.bool_)], align=True)
+)
 """Places of one child's parents; an elite is copied unchanged."""
 
 

@@ -12,16 +12,20 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-NODE = np.dtype([("id", np.int64), ("bias", np.float64)])
-CONNECTION = np.dtype(
-    [
-        ("innovation", np.int64),
-        ("source", np.int64),
-        ("target", np.int64),
-        ("weight", np.float64),
-        ("enabled", np.bool_),
-    ],
-    align=True,
+from neol.base.kernel import record_dtype
+
+NODE = record_dtype(np.dtype([("id", np.int64), ("bias", np.float64)]))
+CONNECTION = record_dtype(
+    np.dtype(
+        [
+            ("innovation", np.int64),
+            ("source", np.int64),
+            ("target", np.int64),
+            ("weight", np.float64),
+            ("enabled", np.bool_),
+        ],
+        align=True,
+    )
 )
 MAX_NODE_ID = 2**24
 """Limit of node ids, because decoding keeps a table of them; runs stay far below it."""

@@ -15,9 +15,9 @@ import numpy.typing as npt
 from numba import types
 from numba.extending import register_jitable
 
-from neol.base.c_calls import call_int
+from neol.base.c_calls import call_int, plain_address
 from neol.base.errors import UserError
-from neol.base.kernel import loop_kernel
+from neol.base.kernel import PLAIN, loop_kernel
 from neol.network.forward import Networks
 from neol.network.rules import NO_RULE, Rule, find_rule
 
@@ -83,7 +83,10 @@ def compiled(rule: str) -> int:
 
     Raises UserError for an unknown rule.
     """
-    return 0 if rule == NO_RULE else int(learner(find_rule(rule)).address)
+    if rule == NO_RULE:
+        return 0
+    loop = learner(find_rule(rule))
+    return plain_address(loop) if PLAIN else int(loop.address)
 
 
 @cache
@@ -108,6 +111,8 @@ def learner(rule: Rule) -> Any:
             threshold[node] = theta + alpha * (y * y - theta)
         return finite
 
+    if PLAIN:
+        return loop
     loop.__qualname__ = f"learn_{rule.name}"  # distinguishes loops in the cache and the linker
     # A rule from another module is compiled in each process: the cache cannot see its edits.
     cached = rule.change.__module__.startswith("neol.")

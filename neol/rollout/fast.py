@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from neol.base.interruption import stop_if_asked
+from neol.base.kernel import PLAIN
 from neol.network.forward import Networks
 from neol.rollout.engine import Engine, Rollouts
 from neol.rollout.episodes import Batch, Slots, World
@@ -82,6 +83,8 @@ def fast_engine(task: Task, workers: int = 1) -> Engine | str:
     """Return the compiled engine of a task with a number of threads, or why there is none."""
     if task.environment not in WORLDS:
         return "only the reference engine plays it"
+    if PLAIN:
+        return "NUMBA_DISABLE_JIT keeps it from being compiled"
     module = import_module(f"neol.rollout.worlds.{WORLDS[task.environment]}")
     make_simulation: Callable[[], Simulation] | str = module.simulations(task)
     if isinstance(make_simulation, str):

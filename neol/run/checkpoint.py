@@ -168,7 +168,7 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
         Genome(genome_id, nodes, connections, fitness)
         for (genome_id, fitness, *_), nodes, connections in zip(
             arrays["genomes"].tolist(),
-            _split(arrays["nodes"], arrays["genomes"]["nodes"]),
+            _split(arrays["nodes"].astype(NODE), arrays["genomes"]["nodes"]),
             _split(arrays["connections"].astype(CONNECTION), arrays["genomes"]["connections"]),
             strict=True,
         )

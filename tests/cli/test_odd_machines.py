@@ -10,8 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from neol.cli.progress import Progress
+from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT
 from tests.helpers.command import TINY, neol
+from tests.helpers.runs import killer, result
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("own_folder")]
 
@@ -68,3 +71,20 @@ def test_a_limit_of_files_ends_in_one_line() -> None:
     assert done.returncode == 2
     assert done.stderr.startswith("neol: Too many open files; raise that limit (ulimit -a) or use")
     assert done.stderr.count("\n") == 1
+
+
+def test_plain_kernels_run_whole_to_the_same_bits() -> None:
+    """From a checkpoint, too, whose arrays come out of a file."""
+    command = f"run {TINY} --quiet --resume --checkpoint-every 1"
+    command = command.replace("--generations 3", "--generations 6").replace("reference", "auto")
+    assert neol(f"{command} --output compiled.parquet").exit_code == 0
+    with pytest.MonkeyPatch.context() as patch:
+        stop = killer(0, 3, KeyboardInterrupt)
+        patch.setattr(Progress, "__call__", lambda _, *told: stop(*told))
+        loud = command.replace("--quiet", "")
+        assert neol(f"{loud} --output plain.parquet").exit_code == 130
+    done = ended(f"{command} --output plain.parquet", {"NUMBA_DISABLE_JIT": "1"})
+    assert (done.returncode, done.stderr.count("\n")) == (0, 1), done.stderr
+    assert "the reference engine plays CartPole-v1: NUMBA_DISABLE_JIT keeps it" in done.stderr
+    compiled, plain = (read_record(Path(f"{name}.parquet")) for name in ("compiled", "plain"))
+    assert result(plain) == result(compiled)
