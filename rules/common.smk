@@ -33,7 +33,8 @@ from neol.study.workflow.snakemake import (
 
 # The Python of this environment, also if it is not activated: `conda:` below only documents the software, because
 # `snakemake --lint` requires it. Jupyter finds this environment's kernel before any other of its name, such as a
-# user's own, and a notebook refuses to run another neol than this one.
+# user's own, and a notebook refuses to run another neol than this one. Pictures are written to files, so a backend of
+# Matplotlib's that is chosen for windows, or is none, must not matter.
 BIN, KERNELS, PACKAGE = (
     shlex.quote(str(path))
     for path in (
@@ -43,7 +44,7 @@ BIN, KERNELS, PACKAGE = (
     )
 )
 shell.prefix(
-    f'set -euo pipefail; export PATH={BIN}:"$PATH" JUPYTER_PATH={KERNELS} {ASKING_PACKAGE}={PACKAGE}; '
+    f'set -euo pipefail; unset MPLBACKEND; export PATH={BIN}:"$PATH" JUPYTER_PATH={KERNELS} {ASKING_PACKAGE}={PACKAGE}; '
 )
 
 ALLOWED = "budget", "reading", "set", "tasks"
@@ -153,9 +154,7 @@ def made(*targets):
 def inputs(together):
     """Return the inputs of one notebook's tables and figures, without the notebook."""
     drawn = any("png" in each.group.suffixes for each in together)
-    also = [
-        path for each in together for name in each.files for path in glob(name)
-    ]
+    also = [path for each in together for name in each.files for path in glob(name)]
     read = {path for each in together for path in records(CONFIGURATION, each.reads)}
     return {
         "code": FIGURE_CODE if drawn else TABLE_CODE,

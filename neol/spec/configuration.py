@@ -5,6 +5,7 @@ and `key=value` overrides come last. `python -m neol.spec.configuration` writes 
 by which editors check these files.
 """
 
+import contextlib
 import json
 import warnings
 from collections.abc import Sequence
@@ -255,7 +256,9 @@ def _gymnasium_constants(task: str) -> dict[str, Any]:
         registered = gymnasium.spec(environment)
         if registered.max_episode_steps is None:  # also if it was removed: making it says so
             with warnings.catch_warnings(action="ignore"):
-                gymnasium.make(environment, disable_env_checker=True).close()
+                made = gymnasium.make(environment, disable_env_checker=True)
+                with contextlib.suppress(*FOREIGN):
+                    made.close()
     except gymnasium.error.Error as error:
         raise UserError(f'task "{task}": {" ".join(str(error).split())}') from None
     except FOREIGN as error:

@@ -76,7 +76,7 @@ def snakemake(
     return subprocess.run(
         [sys.executable, "-m", "snakemake", *arguments],
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(code or folder)},
+        env=os.environ | {"PYTHONPATH": str(code or folder), "MPLBACKEND": "any"},
         capture_output=True,
         text=True,
     )
