@@ -107,10 +107,12 @@ rule results_page:
     input:
         shown=NUMBERS,
         picture=f"{FIGURES}/figure2.png",
+        effects=f"{FIGURES}/beyond_effects.png",
         code=WORDS,
     output:
         page=RESULTS_PAGE,
         picture=str(Path(RESULTS_PAGE).with_suffix(".png")),
+        effects=RESULTS_PAGE.removesuffix(".md") + "-effects.png",
     log:
         f"logs/{PLACE}/results_page.log",
     benchmark:

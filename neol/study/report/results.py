@@ -36,6 +36,8 @@ from neol.study.report.levels import levels_reached
 
 OPEN = ("too short", "not asked here")
 """Verdicts that a larger budget would replace."""
+PICTURES = {"figure2": "", "beyond_effects": "-effects"}
+"""Pictures beside the page, each with the end of its name."""
 
 
 def page(campaign: Campaign, figures: Path, name: str) -> str:
@@ -120,10 +122,11 @@ def _effect(row: Mapping[Any, Any], columns: Sequence[str]) -> str:
 
 
 def write_page(campaign: Campaign, figures: Path, output: Path) -> None:
-    """Write the page of a budget, and Figure 2 beside it."""
-    picture, _ = verified(figures / "figure2.png")
+    """Write the page of a budget, with Figure 2 and the picture of effects beside it."""
+    pictures = {name: verified(figures / f"{name}.png")[0] for name in PICTURES}
     write_atomically(output, page(campaign, figures, output.stem).encode())
-    write_atomically(output.with_suffix(".png"), picture)
+    for name, picture in pictures.items():
+        write_atomically(output.with_name(f"{output.stem}{PICTURES[name]}.png"), picture)
 
 
 if __name__ == "__main__":

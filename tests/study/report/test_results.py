@@ -17,7 +17,8 @@ from neol.study.report.results import write_page
 def text(campaign: Campaign, figures: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     path = tmp_path_factory.mktemp("docs") / "results.md"
     write_page(campaign, figures, path)
-    assert path.with_suffix(".png").read_bytes() == (figures / "figure2.png").read_bytes()
+    for name, copy in (("figure2", "results.png"), ("beyond_effects", "results-effects.png")):
+        assert path.with_name(copy).read_bytes() == (figures / f"{name}.png").read_bytes()
     return path.read_text(encoding="utf-8")
 
 
