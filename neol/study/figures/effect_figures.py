@@ -46,7 +46,7 @@ def draw_effect_sizes(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     looks = styles(shown_methods(budget))
     heights = [len(family.methods(budget)) + 1.6 for family in COMPARISONS]
     with drawing():
-        figure = Figure(figsize=(WIDTH, 1.3 + 0.155 * sum(heights)))
+        figure = Figure(figsize=(WIDTH, 1.3 + 0.185 * sum(heights)))
         panels = figure.subplots(
             len(COMPARISONS), len(budget.tasks), squeeze=False, height_ratios=heights
         )
@@ -221,6 +221,8 @@ def draw_learning(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
             axis.axhline(0, color=GREY, linewidth=0.7)
             axis.axvspan(1e-9, NEAR_CONTROL, color=GREY, alpha=0.12, linewidth=0)
             here = table[(table["task"] == task) & table["switching_off"].notna()]
+            if here.empty:
+                axis.text(0.5, 0.6, "not played", transform=axis.transAxes, ha="center", color=GREY)
             for row in here.to_dict("records"):
                 look, place = looks[row["method"]], row["movement_over_run"]
                 axis.vlines(place, row["low"], row["high"], color=look.colour, linewidth=0.8)
