@@ -160,7 +160,9 @@ def inputs(together):
         "code": FIGURE_CODE if drawn else TABLE_CODE,
         "paper": sorted(glob("paper/reference/*.csv")),
         "also": sorted(also),
-        "built": sorted(f"build/{PLACE}/{name}" for each in together for name in each.built),
+        "built": sorted(
+            f"build/{PLACE}/{name}" for each in together for name in each.built
+        ),
         "records": sorted(str(RESULTS / path) for path in read),
     }
 
