@@ -29,7 +29,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 
 @pytest.fixture(scope="session")
 def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the page and the paper read of these runs; the ledger, a grey picture."""
+    """What the page and the paper read of these runs; the ledger, grey pictures."""
     folder = tmp_path_factory.mktemp("figures")
     for number in range(1, 9):
         getattr(paper_tables, f"table{number}")(campaign).write(folder)
@@ -40,8 +40,10 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
         "beyond_selection": selection_bias(outcomes),
         "beyond_sensitivity": sensitivity(campaign.configuration, folder)[0],
     }.items():
-        table.to_csv(folder / f"{name}.csv", index=False)
-        write_sidecar([folder / f"{name}.csv"], campaign.configuration, ())
+        outputs = [folder / f"{name}.csv", folder / f"{name}.png"]
+        table.to_csv(outputs[0], index=False)
+        Image.new("L", (900, 300), 128).save(outputs[1])
+        write_sidecar(outputs, campaign.configuration, ())
     Image.new("L", (900, 300), 128).save(folder / "figure2.png")
     write_sidecar([folder / "figure2.png"], campaign.configuration, ())
     return folder
