@@ -49,7 +49,7 @@ def test_what_does_not_concern_a_method_would_not_change_its_runs() -> None:
     assert concerned.pop("NEAT's mutation") == {"neat"}
     assert all(methods == every for methods in concerned.values())
     (beta,) = found["beta"].options["0.1"]
-    assert evolve(run_spec("neat", 0, beta)).history == evolve(run_spec("neat")).history
+    assert evolve(run_spec("neat", 0, beta)).state.history == evolve(run_spec("neat")).state.history
     (mutation,) = found["NEAT's mutation"].options["a tenth"]
     assert run_spec("hebb", 0, mutation) == run_spec("hebb")
     assert run_spec("neat_wo", 0, mutation) == run_spec("neat_wo")

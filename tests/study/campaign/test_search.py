@@ -45,7 +45,10 @@ def test_shared_runs_of_neat_without_mutation_are_the_same() -> None:
         assert own.neat.model_copy(update=MUTATION) == shared.neat.model_copy(update=MUTATION)
         assert own.model_copy(update={"neat": shared.neat}) == shared
     changes = [f"neat.{key}={value}" for key, value in MUTATION.items()]
-    assert evolve(run_spec("neat_wo", 0, *changes)).history == evolve(run_spec("neat_wo")).history
+    assert (
+        evolve(run_spec("neat_wo", 0, *changes)).state.history
+        == evolve(run_spec("neat_wo")).state.history
+    )
 
 
 def test_the_search_has_seeds_of_its_own() -> None:
