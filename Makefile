@@ -104,7 +104,7 @@ $(READY): $(ENVIRONMENT) pyproject.toml $(CORE)
 	@touch $@
 
 # uv resolves for every supported Python and system at once; connection-pool and rliable have no wheels.
-# What environment.lock pins stays pinned, unless UPGRADE=1 asks for the newest of everything.
+# Pinned versions stay in environment.lock; UPGRADE=1 replaces all by the newest ones.
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
 	.venv-lock/bin/pip install --quiet --disable-pip-version-check uv==0.13.9

@@ -63,10 +63,10 @@ class Verification:
         records: dict[Path, None] = {}
         for root, path in self._roots.items():
             if not path.exists():
-                raise UserError(f"{path}: there is no such file or folder")
+                raise UserError(f"{path}: no such file or folder")
             below = list(records_below(root)) if root.is_dir() else [root]
             if not below and not self._folders.around(root):
-                raise UserError(f"{path}: holds no records")
+                raise UserError(f"{path}: contains no records")
             records |= dict.fromkeys(below)
         self.records = list(records)
         """Absolute paths of the records, each once."""

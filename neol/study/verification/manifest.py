@@ -171,7 +171,7 @@ def _manifest_of(folder: Path) -> Manifest:
         entries.append(ManifestEntry.of(path.relative_to(folder).as_posix(), content, record))
         firsts.setdefault(record.campaign, (path, record))
     if not entries:
-        raise UserError(f"{folder}: holds no records")
+        raise UserError(f"{folder}: contains no records")
     if len(firsts) > 1:
         (one, (first, _)), (other, (second, _)) = list(firsts.items())[:2]
         raise UserError(f"{second}: is of {other}, {first} of {one}; give each its own folder")

@@ -135,7 +135,7 @@ class ManifestFolder:
                 yield f"not what {self.campaign} has here: {difference}"
             if entry.seeds != tuple(job.seeds):
                 there = f"{job.seeds[0]} to {job.seeds[-1]}"
-                yield f"holds seeds {list(entry.seeds)}, here belong {there}"
+                yield f"contains seeds {list(entry.seeds)}, not {there}"
 
 
 class ManifestFolders:

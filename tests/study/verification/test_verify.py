@@ -67,7 +67,7 @@ def test_the_manifest_is_the_same_each_time(campaign: Path, tmp_path: Path) -> N
 def test_a_manifest_of_several_budgets_or_of_nothing_is_refused(
     campaign: Path, tmp_path: Path
 ) -> None:
-    with pytest.raises(UserError, match="holds no records"):
+    with pytest.raises(UserError, match="contains no records"):
         write_manifest(tmp_path)
     for name in ("a.parquet", "b.parquet"):
         (tmp_path / name).write_bytes((campaign / OJA).read_bytes())

@@ -51,5 +51,5 @@ def own_step() -> bool:
     same = has_same_bits(model, hopper_of(model))
     if not same:
         version = mujoco.__version__
-        print(f"{NOTICE}MuJoCo {version} takes Hopper's steps: ours differ", file=sys.stderr)
+        print(f"{NOTICE}MuJoCo {version} takes Hopper's steps; ours differ", file=sys.stderr)
     return same
