@@ -11,9 +11,9 @@ import pytest
 from neol.spec.configuration import ROOT, Configuration, load_configuration
 from neol.study.campaign.grid import RESULTS, Cell, cells
 from neol.study.campaign.shown import select
+from neol.study.claims.answers import answers
 from neol.study.claims.ledger import write_ledger
 from neol.study.claims.questions import load_claims, load_questions
-from neol.study.claims.verdicts import answers
 from neol.study.figures.paper_figures import figure2, figure3, heatmap
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import gather

@@ -18,9 +18,11 @@ import pandas as pd
 from neol.base.files import read_bounded, write_atomically
 from neol.spec.configuration import ROOT, load_configuration
 from neol.study.campaign.grid import Cell, cells
+from neol.study.claims.answers import Answer, answers
+from neol.study.claims.ledger import PAPERS_WORDS
 from neol.study.claims.looks import LOOKS
 from neol.study.claims.questions import RULES, load_questions
-from neol.study.claims.verdicts import Answer, Verdict, answers
+from neol.study.claims.verdicts import Verdict
 from neol.study.outcomes.outcomes import METRICS, Outcomes
 from neol.study.outcomes.paper_numbers import values
 from neol.study.outcomes.statistics import Floats
@@ -88,8 +90,9 @@ def simulated(truth: str, studies: int, seed: int = 0) -> Iterator[list[tuple[An
 def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
     """By question, how often a study says what; columns are shares of the studies.
 
-    `support`: reproduced, same direction or mixed at any look; `contradiction`: not reproduced or
-    equivalent to zero at the last; `open`: inconclusive at the last. `papers` is the verdict that
+    `support`: reproduced, same direction or mixed, at any look where zero is tested, at the last
+    otherwise; `contradiction`: not reproduced or equivalent to zero at the last; `open`:
+    inconclusive at the last. `papers` is the verdict that
     the paper's own numbers get. Questions that hold by construction, or that the paper's budget
     does not ask, are left out.
     """
@@ -100,7 +103,8 @@ def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
             last = at_looks[-1]
             name, of = last.question.id, counts.setdefault(last.question.id, Counter())
             papers[name] = last.papers
-            of["support"] += any(each.verdict in SUPPORT for each in at_looks)
+            tested = at_looks if last.question.family else (last,)
+            of["support"] += any(each.verdict in SUPPORT for each in tested)
             of["reproduced"] += last.verdict == "reproduced"
             of["contradiction"] += last.verdict in ("not reproduced", "equivalent to zero")
             of["open"] += last.verdict == "inconclusive"
@@ -117,37 +121,22 @@ def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def families(truth: str, studies: int, seed: int = 0) -> dict[str, float]:
-    """How often a study supports at least one question of each family, at any look."""
-    any_of: Counter[str] = Counter()
-    for looks in simulated(truth, studies, seed):
-        supported = {
-            each.question.family
-            for answered in looks
-            for each in answered
-            if each.question.family and each.verdict in SUPPORT
-        }
-        any_of.update(family for family in supported if family)
-    names = [question.family for question in load_questions() if question.family]
-    return {name: any_of[name] / studies for name in dict.fromkeys(names)}
-
-
 def section(studies: int) -> str:
     """The generated part of the page."""
     tables = {truth: frequencies(truth, studies).set_index("question") for truth in TRUTHS}
+    worlds = " | ".join(f"{truth}: for / against" for truth in TRUTHS)
     lines = [
-        f"{studies} made-up studies of each world, asked at {LOOKS[0]}, {LOOKS[1]} and {LOOKS[2]} "
-        "seeds; support is counted at any look, the rest at the last. Shares of studies:",
+        f"{studies} made-up studies of each world, each asked at {LOOKS[0]}, {LOOKS[1]} and "
+        f"{LOOKS[2]} seeds:",
         "",
-        "| question | "
-        + " | ".join(f"{truth}: for / against" for truth in TRUTHS)
-        + " | the paper's own numbers |",
+        f"| question | {worlds} | the paper's own numbers |",
         "| --- |" + " --- |" * (len(TRUTHS) + 1),
     ]
     for name, papers in tables["paper"]["papers"].items():
         each = [tables[truth].loc[str(name)] for truth in TRUTHS]
         shares = [f"{row['support']:.2f} / {row['contradiction']:.2f}" for row in each]
-        lines.append(f"| `{name}` | {' | '.join(shares)} | {papers or '--'} |")
+        said = PAPERS_WORDS.get(papers, papers) if isinstance(papers, str) else "--"
+        lines.append(f"| `{name}` | {' | '.join(shares)} | {said} |")
     lines += ["", *(f"- **{truth}**: {meaning}." for truth, meaning in TRUTHS.items())]
     return "\n".join(lines) + "\n"
 

@@ -15,6 +15,7 @@ from scipy import stats
 from neol.study.campaign.grid import Cell
 from neol.study.campaign.methods import mutated
 from neol.study.claims.effect import Effect, Summary, average, combined, difference
+from neol.study.claims.parts import State, between_rates, ranked, share_state
 from neol.study.claims.questions import (
     RULES,
     Ceiling,
@@ -33,7 +34,6 @@ from neol.study.outcomes.outcomes import METRICS, Metric, Outcomes
 from neol.study.outcomes.paper_numbers import settings
 from neol.study.outcomes.statistics import Floats
 
-State = Literal["for", "against", "open"]
 LEAST_SEEDS = 6
 """With fewer nothing is computed: where a cell is chosen, half of them would remain."""
 
@@ -263,41 +263,6 @@ def _p_same(part: Evidence) -> float:
     return combined([(1, part.ours), (-1, part.paper)]).p()
 
 
-def ranked(leads: Sequence[Effect], at_most: int, alpha: float) -> State:
-    """Whether a method surely has, or surely lacks, a rank, by its leads over its rivals.
-
-    It has it if at least so many rivals lie below; the p-value of that is the partial conjunction's
-    (Benjamini and Heller 2008), which pays for the rivals being picked by the same runs.
-    """
-    rivals = len(leads)
-    below = sorted(_one_sided(lead) for lead in leads)
-    above = sorted(_one_sided(combined([(-1, lead)])) for lead in leads)
-    enough = rivals + 1 - at_most
-    if (rivals - enough + 1) * below[enough - 1] < alpha / 2:
-        return "for"
-    return "against" if (rivals - at_most + 1) * above[at_most - 1] < alpha / 2 else "open"
-
-
-def share_state(reached: int, runs: int, share: float, alpha: float) -> State:
-    """Whether at least this share of runs surely reaches a level (Clopper and Pearson 1934)."""
-    low = stats.beta.ppf(alpha, reached, runs - reached + 1) if reached else 0.0
-    high = stats.beta.isf(alpha, reached + 1, runs - reached) if reached < runs else 1.0
-    return "for" if low >= share else "against" if high < share else "open"
-
-
-def between_rates(values: Floats) -> float:
-    """Variance of a mean between learning rates, without what noise adds to it.
-
-    float64[rates, seeds]. The product of two different seeds' deviations has that variance as its
-    expectation, whatever the noise; this is its mean over all pairs of seeds.
-    """
-    deviations = values - values.mean(axis=0)
-    rates, seeds = values.shape
-    total = deviations.sum(axis=1)
-    products = total @ total - np.sum(deviations**2)
-    return float(products / (seeds * (seeds - 1) * (rates - 1)))
-
-
 def _between_rates(choice: Choice, runs: Runs, outcome: Metric) -> Effect:
     """The same in units of the variance over seeds, averaged over populations; jackknife error."""
     (table,) = runs.tables([choice], outcome)
@@ -321,10 +286,6 @@ def _leads(first: Summary, others: Sequence[Summary]) -> list[Effect]:
 def _decisive(leads: Sequence[Effect], at_most: int) -> Effect:
     """The lead over the best of those that must lie below."""
     return sorted(leads, key=lambda lead: lead.value)[at_most - 1]
-
-
-def _one_sided(effect: Effect) -> float:
-    return effect.p() / 2 if effect.value > 0 else 1 - effect.p() / 2
 
 
 def _measured(

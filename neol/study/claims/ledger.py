@@ -12,10 +12,10 @@ from neol.base.files import write_atomically
 from neol.pictures.labels import three_figures
 from neol.study.campaign.grid import cells
 from neol.study.claims import verdicts
+from neol.study.claims.answers import Answer, Finding
 from neol.study.claims.effect import Effect
 from neol.study.claims.plan import frozen_plan
 from neol.study.claims.questions import Claim
-from neol.study.claims.verdicts import Answer, Finding, Verdict
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
@@ -25,7 +25,7 @@ from neol.study.output.sidecar import write_sidecar
 
 WHOLE = "all"
 """What the row of a question as a whole is called."""
-PAPERS_WORDS: dict[Verdict, str] = {
+PAPERS_WORDS: dict[str, str] = {
     "reproduced": "shown",
     "same direction": "shown",
     "not reproduced": "not shown",

@@ -30,7 +30,7 @@ class Choice:
     """The cells that stand for a method on a task."""
 
     cells: tuple[Cell, ...]
-    """None where the budget has none."""
+    """Empty where the budget has none."""
     one_of: bool
     """Whether the best of them stands for the method; otherwise all do."""
     papers: bool

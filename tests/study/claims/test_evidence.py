@@ -6,7 +6,7 @@ from scipy import stats
 
 from neol.study.campaign.grid import Cell
 from neol.study.claims.effect import Effect
-from neol.study.claims.evidence import between_rates, ranked, share_state
+from neol.study.claims.parts import between_rates, ranked, share_state
 from neol.study.claims.sides import Choice
 
 CELLS = tuple(Cell("hopper", "bcm", 300, rate) for rate in (0.00025, 0.0025, 0.025, 0.25))

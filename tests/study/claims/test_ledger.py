@@ -6,10 +6,10 @@ from functools import cache
 
 import pytest
 
+from neol.study.claims.answers import Answer, answers
 from neol.study.claims.calibration import made_up_studies
 from neol.study.claims.ledger import as_latex, as_markdown, as_table, count_words
 from neol.study.claims.questions import load_claims, load_questions
-from neol.study.claims.verdicts import Answer, answers
 
 
 @cache

@@ -10,10 +10,10 @@ import pytest
 
 from neol.spec.configuration import ROOT
 from neol.study.campaign.shown import select
+from neol.study.claims.answers import answers
 from neol.study.claims.calibration import MadeUp, made_up_studies
 from neol.study.claims.ledger import as_table
 from neol.study.claims.questions import load_questions
-from neol.study.claims.verdicts import answers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import gather
 from tests.study.claims.second_opinion import Study, opinions

@@ -8,9 +8,9 @@ import pytest
 
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import Cell
+from neol.study.claims.answers import Answer, answers
 from neol.study.claims.calibration import MadeUp, made_up_studies
 from neol.study.claims.questions import load_questions
-from neol.study.claims.verdicts import Answer, answers
 
 QUESTIONS = load_questions()
 PAPER = next(made_up_studies("paper"))

@@ -6,9 +6,9 @@ import pytest
 from PIL import Image
 
 from neol.pictures.labels import TASK_LABELS
+from neol.study.claims.answers import answers
 from neol.study.claims.ledger import write_ledger
 from neol.study.claims.questions import load_claims, load_questions
-from neol.study.claims.verdicts import answers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.effects import effect_sizes, selection_bias
 from neol.study.outcomes.outcomes import gather

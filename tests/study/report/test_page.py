@@ -16,9 +16,9 @@ from PIL import Image
 
 from neol.base.errors import UserError
 from neol.study.campaign.grid import cells
+from neol.study.claims.answers import answers
 from neol.study.claims.ledger import write_ledger
 from neol.study.claims.questions import load_claims, load_questions
-from neol.study.claims.verdicts import answers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import gather
 from neol.study.output.sidecar import write_sidecar
