@@ -33,6 +33,7 @@ def described(error: BaseException) -> str:
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
+MANY_ERRORS = 10_000
 _PLAIN_WORDS = {
     "Input should be": "must be",
     "Tuple should have at least 1 item after validation, not 0": "must not be empty",
@@ -51,6 +52,8 @@ def one_line(
     `root` is the expected type, a model or a dictionary of models; `place` names a path of keys
     so that the user finds it.
     """
+    if error.error_count() > MANY_ERRORS:  # each would be made, of a file that is not ours
+        return f"{error.error_count():,} values are not allowed"
     first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
     loc = tuple(str(part) for part in first["loc"] if part != "[key]")
     if first["type"] == "extra_forbidden":

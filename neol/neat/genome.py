@@ -27,6 +27,8 @@ CONNECTION = record_dtype(
         align=True,
     )
 )
+MAX_INPUTS = 2**20
+"""Far more than a task has: a file that states more is not believed."""
 MAX_NODE_ID = 2**24
 """Limit of node ids, because decoding keeps a table of them; runs stay far below it."""
 
@@ -102,6 +104,8 @@ def check_genome(genome: Genome, inputs: int, outputs: int) -> None:
     That is: nodes and connections sorted and distinct, all outputs present, no dangling
     connection, no cycle, only finite numbers.
     """
+    if not (0 <= inputs <= MAX_INPUTS and 0 <= outputs <= len(genome.nodes)):
+        raise ValueError(f"genome {genome.id}: {inputs} inputs and {outputs} outputs cannot be")
     nodes, connections = genome.nodes, genome.connections
     hidden = nodes["id"][outputs:]
     sources = np.concatenate([np.arange(inputs), hidden])

@@ -7,6 +7,8 @@ digest over all of it.
 import hashlib
 import io
 import json
+import math
+import re
 from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
@@ -160,6 +162,11 @@ def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:
     """Return the run in the arrays; raises any exception if they do not fit together."""
     for name in ("inputs", "outputs", *(key for key in meta if key.startswith("next_"))):
         if type(meta[name]) is not int or not 0 <= meta[name] < 2**62:
+            raise ValueError(f"its {name} is {meta[name]!r}")
+    if not isinstance(meta["digest"], str) or not re.fullmatch("[0-9a-f]{64}", meta["digest"]):
+        raise ValueError(f"its digest is {meta['digest']!r}")
+    for name in ("wall_seconds", "cpu_seconds"):
+        if type(meta[name]) is not float or not 0 <= meta[name] < math.inf:
             raise ValueError(f"its {name} is {meta[name]!r}")
     for name, dtype in LAYOUT.items():
         if arrays[name].dtype != dtype or arrays[name].ndim != 1:

@@ -3,11 +3,12 @@
 import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Self, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
+from pydantic import FailFast
 
 from neol.base.errors import UserError
 from neol.neat.genome import CONNECTION, NODE, Genome
@@ -25,9 +26,9 @@ class Champion(Model):
 
     id: int
     fitness: float
-    nodes: tuple[tuple[int, float], ...]
+    nodes: Annotated[tuple[tuple[int, float], ...], FailFast()]
     """Nodes as (id, bias), outputs first."""
-    connections: tuple[tuple[int, int, int, float, bool], ...]
+    connections: Annotated[tuple[tuple[int, int, int, float, bool], ...], FailFast()]
     """Connections as (innovation, source, target, weight, enabled)."""
 
     @classmethod
@@ -53,7 +54,7 @@ class Champion(Model):
 class HeldOut(Model):
     """The champion's returns in held-out episodes."""
 
-    returns: tuple[float | None, ...]
+    returns: Annotated[tuple[float | None, ...], FailFast()]
     """Return of each episode; null where it failed."""
     mean: float | None
     """Mean over the episodes that did not fail."""

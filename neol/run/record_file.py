@@ -8,13 +8,13 @@ import hashlib
 import io
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pydantic_core
-from pydantic import ValidationError
+from pydantic import FailFast, ValidationError
 
 from neol.base.errors import UserError, one_line
 from neol.base.files import files_below, open_regular, read_bounded, write_atomically
@@ -28,6 +28,8 @@ from neol.spec.types import Label, Model, Name
 SCHEMA_VERSION = 1
 MAX_RECORD_BYTES = 2**28
 MAX_ROWS = 10_000_000
+MAX_METADATA_BYTES = 2**24
+"""Several hundred seeds; a reader takes up to 25 times as much memory."""
 
 
 class RecordMetadata(Model):
@@ -41,7 +43,7 @@ class RecordMetadata(Model):
     budget: Name | None
     reading: Label | None = FIRST_READING
     """Label of the reading; missing in records that are older than readings."""
-    seeds: tuple[SeedInfo, ...]
+    seeds: Annotated[tuple[SeedInfo, ...], FailFast()]
 
 
 def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> None:
@@ -55,6 +57,8 @@ def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> 
         seeds=record.seeds,
     )
     text = canonical_json(metadata.model_dump(mode="json"))
+    if len(text) > MAX_METADATA_BYTES:
+        raise UserError(f"{path}: would be too large for one record; run fewer seeds at a time")
     buffer = io.BytesIO()
     with pq.ParquetWriter(buffer, SCHEMA, compression="zstd", use_dictionary=False) as writer:
         writer.write_table(record.table)
@@ -177,6 +181,8 @@ def _text(footer: pq.FileMetaData) -> bytes:
     if b"neol" not in metadata:
         raise ValueError("its metadata have no key neol")
     text: bytes = metadata[b"neol"]
+    if len(text) > MAX_METADATA_BYTES:
+        raise ValueError(f"its metadata are larger than {MAX_METADATA_BYTES} bytes")
     return text
 
 

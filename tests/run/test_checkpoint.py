@@ -198,3 +198,16 @@ def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: 
     forge_checkpoint(tmp_path / "run.npz", change)
     with pytest.raises(UserError, match=r"run\.npz: damaged: its next_node is"):
         checkpoint.read_checkpoint(tmp_path / "run.npz", run_spec())
+
+
+@pytest.mark.parametrize("change", [{"digest": 5}, {"digest": "hello"}, {"cpu_seconds": -1.0}])
+def test_other_values_are_refused_though_sealed(change: dict[str, object], tmp_path: Path) -> None:
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
+
+    def forge(arrays: Arrays) -> None:
+        meta = json.loads(arrays["meta"].tobytes()) | change
+        arrays["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
+
+    forge_checkpoint(tmp_path / "run.npz", forge)
+    with pytest.raises(UserError, match=rf"run\.npz: damaged: its {next(iter(change))} is"):
+        checkpoint.read_checkpoint(tmp_path / "run.npz", run_spec())

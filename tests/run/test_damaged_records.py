@@ -10,10 +10,11 @@ import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from neol.base.errors import UserError
 from neol.run import record_file
-from neol.run.record import Record
+from neol.run.record import Champion, Record
 from neol.run.record_file import read_record
 from neol.spec.run_spec import RunSpec
 from tests.helpers.damage import Json, flipped, forge_record
@@ -226,3 +227,29 @@ def test_the_digest_covers_metadata_and_rows(record: Record) -> None:
         hashlib.sha256(b"{}").hexdigest(),
     }
     assert len(digests) == 4
+
+
+def test_a_stated_size_is_not_believed(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "run.parquet"
+    for inputs in (2 * 10**8, -1):
+        path.write_bytes(content)
+        forge_record(path, lambda metadata, _, n=inputs: metadata["seeds"][0].update(inputs=n))
+        assert "inputs and 2 outputs cannot be" in refusal(read_record, path)
+
+
+def test_of_a_million_errors_only_the_first_is_kept() -> None:
+    champion = {"id": 1, "fitness": 0.0, "nodes": [0] * 1000, "connections": [[]] * 1000}
+    with pytest.raises(ValidationError) as raised:
+        Champion.model_validate(champion)
+    assert raised.value.error_count() < 10
+
+
+def test_metadata_beyond_all_measure_are_not_parsed(
+    content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.parquet"
+    path.write_bytes(content)
+    record = read_record(path)
+    monkeypatch.setattr(record_file, "MAX_METADATA_BYTES", 1000)
+    assert "its metadata are larger than 1000 bytes" in refusal(read_record, path)
+    assert "run fewer seeds at a time" in refusal(record_file.write_record, path, record)
