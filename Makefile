@@ -84,14 +84,16 @@ agreement: $(READY)
 
 environment: $(READY)
 
-$(ENVIRONMENT): environment.lock
+# What has no wheel is built with build.lock: build isolation would fetch a setuptools that is not pinned.
+$(ENVIRONMENT): environment.lock build.lock
 	@$(PYTHON) -c 'import sys, ensurepip, venv; sys.exit(not (3, 11, 4) <= sys.version_info < (3, 14))' 2>/dev/null || { \
 	    echo 'neol needs Python 3.11, 3.12 or 3.13 with venv, which $(PYTHON) is not; choose one with PYTHON=python3.12' >&2; \
 	    exit 1; }
 	@echo 'Setting up $(VENV) from environment.lock (a few minutes):'
 	@$(PYTHON) -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement build.lock
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --no-deps --require-hashes \
-	    --progress-bar off --requirement environment.lock | awk '\
+	    --no-build-isolation --progress-bar off --requirement environment.lock | awk '\
 	    /^(Collecting|Processing) / && ++n % 30 == 0 { print "  fetched " n " packages"; fflush() } \
 	    /^Installing collected/                      { print "  installing " n;          fflush() }'
 	@touch $@
@@ -100,14 +102,14 @@ CORE        := $(wildcard $(addprefix neol/rollout/worlds/box2d/,*.?pp stub/*.h 
 
 $(READY): $(ENVIRONMENT) pyproject.toml $(CORE)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
-	-@$(BIN)/python -m neol.rollout.worlds.box2d.build
+	-@PIP_NO_BUILD_ISOLATION=0 $(BIN)/python -m neol.rollout.worlds.box2d.build
 	@touch $@
 
 # uv resolves for every supported Python and system at once; connection-pool and rliable have no wheels.
 # Pinned versions stay in environment.lock; UPGRADE=1 replaces all by the newest ones.
 lock:
 	$(PYTHON) -m venv --clear .venv-lock
-	.venv-lock/bin/pip install --quiet --disable-pip-version-check uv==0.13.9
+	.venv-lock/bin/pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement lock.lock
 	.venv-lock/bin/uv pip compile pyproject.toml $(if $(UPGRADE),--upgrade) --all-extras --universal --no-emit-index-url --no-annotate \
 	    --generate-hashes --only-binary :all: --no-binary connection-pool --no-binary rliable \
 	    --custom-compile-command 'make lock' --quiet --output-file environment.lock

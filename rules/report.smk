@@ -73,7 +73,7 @@ rule switched_off:
         reading=READING,
         tasks=TASKS,
     shell:
-        "python -m neol.study.report.switched_off {params.budget} --reading {params.reading} --tasks '{params.tasks}' {output} > {log} 2>&1"
+        "python -m neol.study.report.switched_off {params.budget:q} --reading {params.reading:q} --tasks={params.tasks:q} {output:q} > {log:q} 2>&1"
 
 
 rule report_page:

@@ -32,7 +32,13 @@ def test_make_works_in_a_folder_of_any_name(tmp_path: Path) -> None:
     folder = tmp_path / HOSTILE
     programs = folder / ".venv" / "bin"
     programs.mkdir(parents=True)
-    for name in ("environment.lock", "pyproject.toml", ".venv/.environment", ".venv/.ready"):
+    for name in (
+        "environment.lock",
+        "build.lock",
+        "pyproject.toml",
+        ".venv/.environment",
+        ".venv/.ready",
+    ):
         (folder / name).touch()
     (folder / "Makefile").write_bytes((ROOT / "Makefile").read_bytes())
     for name in ("snakemake", "mkdocs", "jupyter", "ruff", "mypy", "snakefmt", "pytest", "python"):
