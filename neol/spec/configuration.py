@@ -181,7 +181,7 @@ def load_configuration(
 
 def _file_of(budget: str) -> Path:
     """Return the file of a budget of `config/`, or the .yaml file that the budget is a path of."""
-    if budget.endswith(".yaml"):
+    if str(budget).endswith(".yaml"):
         return Path(budget)
     if budget not in budgets():
         raise UserError(f'unknown budget "{budget}"{hint(budget, [*budgets(), "PATH.yaml"])}')

@@ -25,7 +25,7 @@ def select(
 
     Raises UserError for an unknown budget or reading, or a task that the budget does not have.
     """
-    if budget.endswith(".yaml"):
+    if str(budget).endswith(".yaml"):
         raise UserError(f"{budget}: a campaign needs a budget of config/; copy this file to there")
     configuration = load_configuration(budget, reading=reading)
     all_tasks = configuration.budget.tasks
