@@ -1,6 +1,8 @@
 """Champions of the rules played again with plasticity switched off, in their held-out episodes.
 
-Each meets the first of the episodes of its record, so both returns are of the same episodes.
+Each meets the first of the episodes of its record, so both returns are of the same episodes. These
+are the champions of the cells that Tables 3 and 4 choose among: a whole grid would take many times
+as long as all tables together.
 """
 
 from collections.abc import Iterator
@@ -13,6 +15,7 @@ from neol.base.files import write_atomically
 from neol.champions.player import load_champion
 from neol.study.campaign.grid import RESULTS, blocks
 from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.chosen_cells import candidates
 from neol.study.report.common import command_line
 
 EPISODES = 10
@@ -24,9 +27,15 @@ COLUMNS = ["task", "method", "population", "learning_rate", "seed", "episodes", 
 def switched_off(campaign: Campaign, results: Path = RESULTS) -> Iterator[tuple[object, ...]]:
     """A row of `COLUMNS` for each run of a method with a rule; NaN where all episodes failed."""
     configuration = campaign.configuration
+    shown = {
+        cell
+        for setting in ("table3", "table4")
+        for among in candidates(configuration, setting).values()
+        for cell in among
+    }
     for block in blocks(configuration):
         cell = block.cell
-        if not configuration.methods[cell.method].learns:
+        if cell not in shown or not configuration.methods[cell.method].learns:
             continue
         there = campaign.runs(cell).held_out
         for seed in (seed for seed in block.seeds if seed in there):
