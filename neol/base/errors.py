@@ -16,6 +16,11 @@ FOREIGN = (Exception, SystemExit)
 """Exceptions of foreign code; Ctrl-C is not among them."""
 
 
+def printable(line: str) -> str:
+    """Return a line with whatever a terminal would not show as it is escaped."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)
+
+
 class UserError(Exception):
     """Error outside neol (input, disk, environment): one line says what, where and how to fix it.
 
@@ -24,7 +29,7 @@ class UserError(Exception):
     """
 
     def __init__(self, line: str) -> None:
-        super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in line))
+        super().__init__(printable(line))
 
 
 def described(error: BaseException) -> str:

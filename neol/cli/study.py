@@ -16,10 +16,11 @@ def trace(
     output: Annotated[Path, typer.Argument(metavar="OUTPUT", help="File of a table or figure.")],
 ) -> None:
     """Print the command, commit, records and runs behind an output."""
+    from neol.base.errors import printable
     from neol.study.output.sidecar import trace
 
     for line in trace(output):
-        print(line)
+        print(printable(line))
 
 
 @app.command(
@@ -45,7 +46,9 @@ def compare(
     """Print the configurations and results of records side by side."""
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
+    from neol.base.errors import printable
     from neol.pictures.style import picture_kind, write_picture
     from neol.study.figures.side_by_side import (
         differing_constants,
@@ -60,9 +63,9 @@ def compare(
     compared = read_compared(records)
     table = Table("", *(each.letter for each in compared), box=None, pad_edge=False)
     for name, values in (differing_constants(compared) | outcome_rows(compared)).items():
-        table.add_row(name, *values)
+        table.add_row(*(Text(printable(cell)) for cell in (name, *values)))  # no markup
     for each in compared:
-        print(f"{each.letter}  {each.path}")
+        print(printable(f"{each.letter}  {each.path}"))
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = PIPED_WIDTH

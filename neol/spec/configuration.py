@@ -164,6 +164,12 @@ def load_configuration(
         configuration = Configuration.model_validate_json(json.dumps(overlay.values))
     except ValidationError as error:
         raise UserError(one_line(error, Configuration, overlay.place)) from None
+    for method in configuration.budget.methods:
+        if method not in configuration.methods:
+            source = overlay.source(("budget", "methods"))
+            raise UserError(
+                f'{source}: budget.methods: no constants for "{method}" in the section methods'
+            )
     for task in configuration.budget.tasks:
         if task not in configuration.tasks:
             source = overlay.source(("budget", "tasks"))

@@ -1,5 +1,7 @@
 """A budget's configuration: base, file and overrides; refused values and their places."""
 
+import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -191,3 +193,13 @@ def test_a_reading_whose_files_name_cannot_be_part_of_a_path(tmp_path: Path) -> 
     (tmp_path / "x$(touch PWNED)y.yaml").touch()
     text = refusal(read_reading, tmp_path, "x$(touch PWNED)y")
     assert "cannot be part of a path; name it with letters" in text
+
+
+def test_a_method_of_the_budget_without_constants(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(CONFIG, tmp_path / "config")
+    monkeypatch.setattr(spec, "CONFIG", tmp_path / "config")
+    base = tmp_path / "config" / "base.yaml"
+    base.write_text(re.sub(r"\n  neat_wo: .*", "", base.read_text()))
+    assert 'budget.methods: no constants for "neat_wo"' in refusal(load_configuration, "smoke")

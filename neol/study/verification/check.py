@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from neol.base.errors import UserError
+from neol.base.errors import UserError, printable
 from neol.base.files import read_bounded
 from neol.run.record_file import MAX_RECORD_BYTES, parse_record, records_below
 from neol.study.campaign.jobs import SENSITIVITY
@@ -35,7 +35,8 @@ class Problem:
         seed = "" if self.seed is None else f"seed {self.seed}"
         generation = "" if self.generation is None else f"generation {self.generation}"
         place = ", ".join(filter(None, (seed, generation, self.column)))
-        return ": ".join(filter(None, (str(self.path), place, self.values, self.meaning)))
+        parts = (str(self.path), place, self.values, self.meaning)
+        return printable(": ".join(filter(None, parts)))
 
 
 @dataclass(frozen=True, slots=True)
