@@ -17,7 +17,7 @@ FOREIGN = (Exception, SystemExit)
 
 
 def printable(line: str) -> str:
-    """Return a line with whatever a terminal would not show as it is escaped."""
+    """Return a line with all unprintable characters escaped."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)
 
 

@@ -59,7 +59,7 @@ def test_a_rule_is_known_everywhere_at_once() -> None:
     assert configuration.methods["leaky"].weight_mutation == "off"
     definitions = configuration_schema()["$defs"]
     assert definitions["Method"]["properties"]["rule"]["enum"][-1] == "leaky"
-    assert definitions["Budget"]["properties"]["methods"]["items"]["enum"][-1] == "leaky"
+    assert "leaky" in definitions["Budget"]["properties"]["methods"]["items"]["enum"]
 
 
 def test_the_configuration_may_say_otherwise() -> None:

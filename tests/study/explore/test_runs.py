@@ -41,7 +41,7 @@ def test_all_finished_records_are_found(results: Path, tmp_path: Path) -> None:
     assert len(found) == len(blocks(CONFIGURATION)) + 1
     assert HEBB in found
     assert not any("partial" in name for name in found)
-    with pytest.raises(UserError, match="holds no record; `snakemake records` makes"):
+    with pytest.raises(UserError, match="contains no record; make some with `snakemake records`"):
         find_records(tmp_path)
 
 
