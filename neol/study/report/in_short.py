@@ -10,6 +10,7 @@ import pandas as pd
 
 from neol.pictures.labels import listed, method_label, task_label, value_range
 from neol.study.claims.ledger import WHOLE
+from neol.study.claims.questions import load_questions
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
 
@@ -55,7 +56,7 @@ def questions_answered(ledger: pd.DataFrame) -> str:
         f"answer {sum(decided.values())}."
     ]
     said += [
-        f"{str(verdict).capitalize()}: {_of_questions(asked, verdict)}." for verdict in decided
+        f"{str(verdict).capitalize()}: {_of_questions(asked, verdict)}" for verdict in decided
     ]
     if rest:
         said.append(f"Not answered: {listed(f'{count} {name}' for name, count in rest.items())}.")

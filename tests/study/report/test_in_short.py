@@ -4,6 +4,7 @@ from typing import Any
 
 import pandas as pd
 
+from neol.study.claims.questions import load_questions
 from neol.study.outcomes.effects import FITNESS, SCORE
 from neol.study.report import in_short
 
