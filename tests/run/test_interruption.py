@@ -1,4 +1,7 @@
-"""Kills at any moment, signals, two runs at once: no file is lost or half-written."""
+"""Kills at any moment, signals, two runs at once: no file is lost or half-written.
+
+`NEOL_KILLS=1 pytest tests/run/test_interruption.py` kills at other random moments.
+"""
 
 import os
 import random
@@ -120,7 +123,7 @@ def repeated(before: list[tuple[int, int]], after: list[tuple[int, int]]) -> int
     ("sent", "stops", "most"), [(signal.SIGKILL, 50, 4), (signal.SIGTERM, 10, 1)]
 )
 def test_stopped_at_random_moments(sent: signal.Signals, stops: int, most: int) -> None:
-    chance = random.Random(0)
+    chance = random.Random(int(os.environ.get("NEOL_KILLS", "0")))
     expected = undisturbed(MANY)
     begin = time.perf_counter()
     neol(MANY)
