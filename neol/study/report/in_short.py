@@ -55,9 +55,7 @@ def questions_answered(ledger: pd.DataFrame) -> str:
         f"The paper's claims come down to {len(whole)} questions; these runs ask {len(asked)} and "
         f"answer {sum(decided.values())}."
     ]
-    said += [
-        f"{str(verdict).capitalize()}: {_of_questions(asked, verdict)}" for verdict in decided
-    ]
+    said += [f"{str(verdict).capitalize()}: {_of_questions(asked, verdict)}" for verdict in decided]
     if rest:
         said.append(f"Not answered: {listed(f'{count} {name}' for name, count in rest.items())}.")
     return " ".join(said)
@@ -135,5 +133,8 @@ def _entry(row: Mapping[Any, Any], *, named: bool) -> str:
 
 def _of_questions(whole: pd.DataFrame, verdict: str) -> str:
     """Name the questions with a verdict; the mark says that no rule moves in any part of one."""
+    asked = {question.id: question.ask for question in load_questions()}
     rows = whole[whole["verdict"] == verdict].to_dict("records")
-    return listed(f"`{row['question']}`{NEAR_CONTROL_MARK * row['near_control']}" for row in rows)
+    return " ".join(
+        f"{asked[row['question']]}{NEAR_CONTROL_MARK * row['near_control']}" for row in rows
+    )

@@ -23,15 +23,16 @@ HIGHER = {"low": 0.5, "p_holm": 0.01}
 
 def test_questions_are_counted_by_verdict_and_answers_named() -> None:
     """Parts are not counted, nor questions that the budget cannot ask."""
+    a, b, c, d = load_questions()[:4]
     rows = [
-        ("a", "all", "reproduced", True), ("a", "hopper: bcm", "reproduced", True),
-        ("b", "all", "too short", False), ("c", "all", "not reproduced", False),
-        ("d", "all", "not asked here", False),
+        (a.id, "all", "reproduced", True), (a.id, "hopper: bcm", "reproduced", True),
+        (b.id, "all", "too short", False), (c.id, "all", "not reproduced", False),
+        (d.id, "all", "not asked here", False),
     ]  # fmt: skip
     ledger = pd.DataFrame(rows, columns=["question", "part", "verdict", "near_control"])
     assert in_short.questions_answered(ledger) == (
         "The paper's claims come down to 4 questions; these runs ask 3 and answer 2. "
-        "Reproduced: `a`†. Not reproduced: `c`. Not answered: 1 too short."
+        f"Reproduced: {a.ask}† Not reproduced: {c.ask} Not answered: 1 too short."
     )
 
 
