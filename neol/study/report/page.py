@@ -1,6 +1,7 @@
-"""The report page: the claims, every table and figure, and what is behind them, in one HTML file.
+"""The report page: the questions, every table and figure, and their sources, in one HTML file.
 
-It needs no network: style and pictures are inside. `page.html.j2` is its text.
+It needs no network: style and pictures are inside. Links lead to figures in full size, which lie
+beside it. `page.html.j2` is its text.
 """
 
 import base64
@@ -16,12 +17,14 @@ import pandas as pd
 from markdown_it import MarkdownIt
 
 from neol.base.files import write_atomically
+from neol.pictures.labels import METHOD_LABELS, TASK_LABELS
 from neol.run.provenance import checkout, describe_checkout
 from neol.run.record import campaign_name
 from neol.spec.configuration import ROOT
 from neol.study.campaign.shown import snakemake_options
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.plan import frozen_plan
+from neol.study.claims.questions import Difference, Interaction, Question, load_questions
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.output.captions import describe_budget, lacking
 from neol.study.output.sidecar import INPUTS, Sidecar
@@ -34,9 +37,19 @@ from neol.study.report.common import (
     verified_frame,
     verified_table,
 )
-from neol.study.report.results import answered
+from neol.study.report.embedding import short_gif, small_png
+from neol.study.report.in_short import in_short
+from neol.study.report.levels import levels_reached
+from neol.study.report.results import OPEN, answered
 from neol.study.report.showcase import Showcase, Shown
 from neol.study.workflow.exhibits import Exhibit, exhibits
+
+NAMES = TASK_LABELS | METHOD_LABELS
+"""What readers call tasks and methods."""
+UNITS = {"final_best": "return", "score": "SCORE", "held_out": "return"}
+"""Units of outcomes."""
+SCALES = {"sd": "standard deviations of a run", "relative": "shares of the baseline's mean"}
+"""Units of effects that are not in their outcome's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +59,10 @@ class Displayed:
     exhibit: Exhibit
     content: markupsafe.Markup
     origin: Sidecar
+    caption: str = ""
+    """A table's own caption, which stays in view when the table is scrolled."""
+    full_size: str = ""
+    """Name of a figure's file beside the page."""
 
 
 def page(campaign: Campaign, figures: Path, champions: Path) -> str:
@@ -55,7 +72,9 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     Raises UserError where a file is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
-    questions = _answered(verified_frame(figures / "claims.csv"))
+    ledger = verified_frame(figures / "claims.csv")
+    selection = verified_frame(figures / "beyond_selection.csv")
+    questions = _answered(ledger)
     budget = configuration.budget
     tables = [_table(campaign, figures, each) for each in exhibits(budget, "tables", "numbers")]
     paper_figures = [_figure(figures, each) for each in exhibits(budget, "figures")]
@@ -72,7 +91,13 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
+        in_short=in_short(ledger, verified_frame(figures / "beyond_effects.csv"), selection),
+        levels=levels_reached(selection),
         questions=questions,
+        decided=[each for each in questions if each["verdict"] not in OPEN],
+        open_questions={
+            verdict: [each for each in questions if each["verdict"] == verdict] for verdict in OPEN
+        },
         counts=Counter(each["verdict"] for each in questions),
         plan=frozen_plan(),
         tables=tables,
@@ -87,29 +112,50 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
 
 def _table(campaign: Campaign, figures: Path, exhibit: Exhibit) -> Displayed:
     table, sidecar = verified_table(campaign, figures, exhibit.name)
-    return Displayed(exhibit, markupsafe.Markup(table._repr_html_()), sidecar)
+    content = markupsafe.Markup(table.html_table())
+    return Displayed(exhibit, content, sidecar, caption=table.caption)
 
 
 def _figure(figures: Path, exhibit: Exhibit) -> Displayed:
     content, sidecar = verified(figures / f"{exhibit.name}.png")
-    source = _data(content, "image/png")
+    source = _data(small_png(content), "image/png")
     image = markupsafe.Markup('<img src="{}" alt="{}">').format(source, exhibit.caption)
-    return Displayed(exhibit, image, sidecar)
+    return Displayed(exhibit, image, sidecar, full_size=f"{exhibit.name}.png")
 
 
 def _answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
-    """Each question with its answer and its parts."""
+    """Return each question with its answer, its unit and its parts by their labels."""
     parts = ledger[ledger["part"] != WHOLE]
+    parts = parts.assign(part=parts["part"].map(_readable))
+    units = {question.id: unit_of(question) for question in load_questions()}
     return [
-        row | {"parts": parts[parts["question"] == row["question"]].to_dict("records")}
+        row
+        | {
+            "parts": parts[parts["question"] == row["question"]].to_dict("records"),
+            "unit": units[row["question"]],
+        }
         for row in answered(ledger)
     ]
 
 
+def unit_of(question: Question) -> str:
+    """Return the unit of a question's effects; empty for a question without one."""
+    if isinstance(question, Difference) and question.statistic == "spread":
+        return "logarithm of a ratio of standard deviations"
+    if isinstance(question, Difference) and question.scale in SCALES:
+        return SCALES[question.scale]
+    return UNITS[question.outcome] if isinstance(question, Difference | Interaction) else ""
+
+
+def _readable(label: str) -> str:
+    """Return a part's label with the names that readers know: "Hopper: BCM"."""
+    return re.sub(r"[a-z_]+", lambda word: NAMES.get(word[0], word[0]), label)
+
+
 def _pictures(shown: Shown) -> tuple[str, str | None]:
     """The drawing of a champion's network, and its film where there is one."""
-    film = None if shown.film is None else _data(shown.film, "image/gif")
-    return _data(shown.network, "image/png"), film
+    film = None if shown.film is None else _data(short_gif(shown.film), "image/gif")
+    return _data(small_png(shown.network), "image/png"), film
 
 
 def _markdown(path: Path) -> markupsafe.Markup:

@@ -110,14 +110,17 @@ class Table:
         head = [["Task", *self.columns], ["---"] * (len(self.columns) + 1)]
         return "".join(f"| {' | '.join(row)} |\n" for row in [*head, *rows])
 
-    def _repr_html_(self) -> str:
+    def html_table(self) -> str:
+        """Return the table in HTML, with its notes and without its caption."""
         head = "".join(
             f'<th scope="col">{html.escape(text)}</th>' for text in ("Task", *self.columns)
         )
-        caption = f"<caption>{html.escape(self.caption)}</caption>"
         body = "".join(map(_html_line, self.lines))
         notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
-        return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{notes}"
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{notes}"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{html.escape(self.caption)}</p>{self.html_table()}"
 
 
 def _html_line(line: Line) -> str:

@@ -20,6 +20,7 @@ from neol.study.claims.answers import answers
 from neol.study.claims.ledger import write_ledger
 from neol.study.claims.questions import load_claims, load_questions
 from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.outcomes.effects import effect_sizes, selection_bias
 from neol.study.outcomes.outcomes import gather
 from neol.study.output.sidecar import write_sidecar
 from neol.study.report.page import page
@@ -36,7 +37,8 @@ QUIET = [
     "--disable-component-update", "--disable-sync", "--no-first-run",
 ]  # fmt: skip
 SECTIONS = (
-    "claims", "tables", "figures", "beyond", "champions", "failed", "assumptions", "cost", "records"
+    "short", "claims", "tables", "figures", "beyond", "champions", "failed", "assumptions", "cost",
+    "records",
 )  # fmt: skip
 
 
@@ -65,6 +67,13 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
         write_sidecar([picture], campaign.configuration, sources)
     outcomes = gather(campaign)
     write_ledger(folder, answers(load_questions(), outcomes), load_claims(), campaign)
+    for name, table in {
+        "beyond_effects": effect_sizes(outcomes, campaign.configuration.budget),
+        "beyond_selection": selection_bias(outcomes),
+    }.items():
+        table.to_csv(folder / f"{name}.csv", index=False)
+        both = [folder / f"{name}.png", folder / f"{name}.csv"]
+        write_sidecar(both, campaign.configuration, sources)
     return folder
 
 
@@ -124,19 +133,20 @@ class Outline(HTMLParser):
 def test_every_section_is_there_and_every_link_resolves(text: str) -> None:
     outline = Outline(text)
     assert set(SECTIONS) <= outline.ids.keys()
-    links = {link.removeprefix("#") for link in outline.links}
+    links = {link.removeprefix("#") for link in outline.links if link.startswith("#")}
     assert len(links) > 20
     assert links <= outline.ids.keys()
+    full_size = {link for link in outline.links if not link.startswith("#")}
+    assert {"figure2.png", "beyond_effects.png"} <= full_size
     assert max(outline.ids.values()) == 1
 
 
 def test_it_is_one_file(text: str) -> None:
     outline = Outline(text)
     assert all(source.startswith("data:image/") for source in outline.sources)
-    for kind in ("png", "gif"):
-        content = base64.b64encode(picture(kind)).decode()
-        assert f"data:image/{kind};base64,{content}" in outline.sources
-    assert not re.search(r"(?:src|href)\s*=(?!\"#|\"data:)", text)
+    content = base64.b64encode(picture("gif")).decode()
+    assert f"data:image/gif;base64,{content}" in outline.sources
+    assert not re.search(r"(?:src|href)\s*=(?!\"#|\"data:|\"[a-z]+_?[a-z0-9]*\.png\")", text)
     assert "url(" not in text
     assert "@import" not in text
 
@@ -160,7 +170,7 @@ def test_a_question_has_its_answer_its_parts_and_its_quotes(text: str) -> None:
     question = text.split('id="claim-cartpole-ceiling"')[1].split("</details>")[0]
     assert '<span class="verdict not-asked-here">not asked here</span>' in question
     assert "The budget lacks the paper&#39;s cells." in question
-    assert question.count('<tr><th scope="row">cartpole: ') == 5
+    assert question.count('<tr><th scope="row">CartPole: ') == 5
     assert "<q>In the simpler CartPole task, all methods rapidly converge" in question
 
 
@@ -272,7 +282,7 @@ def test_text_stands_out(browser, text: str, tmp_path: Path, scheme: str) -> Non
             return Object.fromEntries(names.map((name) => [name, value(name)]));
         }"""
     )
-    for name in ("text", "soft", "link", "supported", "contradicted", "undecided"):
+    for name in ("text", "soft", "link", "reproduced", "not-reproduced", "open"):
         for behind in ("page", "card"):
             assert contrast(style[f"--{name}"], style[f"--{behind}"]) >= 4.5, (name, behind)
     opened.close()
