@@ -1,4 +1,4 @@
-"""How near a reading's NEAT and NEAT (w/o) come to the paper's: docs/readings-plan.md.
+"""Compare a reading's NEAT and NEAT (w/o) with the paper's: docs/readings-plan.md.
 
 The paper prints four means with their standard deviations: the final best fitness and, as SCORE,
 the mean over generations, of both baselines on Lunar Lander at P = 300. A number is compatible if
@@ -30,16 +30,16 @@ from neol.study.outcomes.statistics import Floats
 
 TASK = "lunar_lander"
 COUNTINGS = ("of the generation", "so far")
-"""Which best fitness is meant: the generation's, as the paper's formula has it, or the best yet."""
+"""Two ways to count best fitness: each generation's (the paper's formula), or the best so far."""
 QUANTITIES = ("final", "mean")
-"""Of the best fitness: in the last generation, and on average over generations."""
+"""Best fitness in the last generation, and averaged over generations."""
 LEVEL = 0.99
 _PAPER_TABLES = {("neat", "final"): 1, ("neat_wo", "final"): 7}
 _PAPER_TABLES |= {("neat", "mean"): 2, ("neat_wo", "mean"): 8}
 
 
 def paper_number(method: str, quantity: str) -> tuple[float, float]:
-    """The paper's mean and standard deviation over its 30 seeds."""
+    """Return the paper's mean and standard deviation over its 30 seeds."""
     mean, sd = values(_PAPER_TABLES[method, quantity])[TASK, method]
     assert sd is not None
     unit = PAPER_SAMPLES / (PAPER_POPULATION * PAPER_GENERATIONS) if quantity == "mean" else 1.0
@@ -47,7 +47,7 @@ def paper_number(method: str, quantity: str) -> tuple[float, float]:
 
 
 def predictive_mean(sample: Floats, level: float = LEVEL) -> tuple[float, float]:
-    """Where the mean of `PAPER_SEEDS` further runs lies, by normal theory: low and high."""
+    """Return the predictive interval of the mean of `PAPER_SEEDS` further runs (normal theory)."""
     n = len(sample)
     t = stats.t.ppf((1 + level) / 2, n - 1)
     reach = t * sample.std(ddof=1) * math.sqrt(1 / n + 1 / PAPER_SEEDS)
@@ -55,7 +55,7 @@ def predictive_mean(sample: Floats, level: float = LEVEL) -> tuple[float, float]
 
 
 def predictive_sd(sample: Floats, level: float = LEVEL) -> tuple[float, float]:
-    """Where the standard deviation of `PAPER_SEEDS` further runs lies: low and high."""
+    """Return the predictive interval of the standard deviation of `PAPER_SEEDS` further runs."""
     tails = (1 - level) / 2, (1 + level) / 2
     ratios = stats.f.ppf(tails, PAPER_SEEDS - 1, len(sample) - 1)
     low, high = sample.std(ddof=1) * np.sqrt(ratios)
@@ -65,10 +65,10 @@ def predictive_sd(sample: Floats, level: float = LEVEL) -> tuple[float, float]:
 def comparisons(
     readings: Sequence[str], budget: str, results: Path = RESULTS
 ) -> tuple[pd.DataFrame, tuple[Source, ...], float]:
-    """Each number of each reading beside the paper's; the records; their core-hours.
+    """Compare each number of each reading with the paper's: a table, the records, their core-hours.
 
-    Columns: `reading`, `counting`, `method`, `quantity`; `seeds`, how many runs there are;
-    `mean` and `sd` of theirs with the predictive intervals `mean_low`, `mean_high`, `sd_low` and
+    Columns: `reading`, `counting`, `method`, `quantity`; `seeds`, the number of runs;
+    their `mean` and `sd` with the predictive intervals `mean_low`, `mean_high`, `sd_low` and
     `sd_high`; the paper's `paper_mean` and `paper_sd`; `distance`, |mean - paper_mean| / paper_sd;
     `compatible`, whether both of the paper's numbers lie in their intervals. Fewer than two runs
     give NaN and are not compatible. Raises UserError as `Source.read` does.
@@ -95,10 +95,10 @@ def comparisons(
 
 
 def ranking(table: pd.DataFrame, seeds: int) -> pd.DataFrame:
-    """Readings by their distance, the nearest first: a row for each reading and counting.
+    """Rank readings by their distance, nearest first: a row for each reading and counting.
 
     `distance` is the largest of a reading's four, `compatible` whether all its numbers are.
-    A reading is left out where a baseline has fewer than so many runs.
+    A reading is left out where a baseline has fewer than `seeds` runs.
     """
     grouped = table.groupby(["reading", "counting"], sort=False)
     rows = grouped.agg({"seeds": "min", "distance": "max", "compatible": "all"}).reset_index()
@@ -106,9 +106,9 @@ def ranking(table: pd.DataFrame, seeds: int) -> pd.DataFrame:
 
 
 def to_confirm(ranked: pd.DataFrame, default: str, count: int = 3) -> list[str]:
-    """The nearest readings by the smaller of their two distances, and the default one.
+    """Return the `count` nearest readings, by the smaller of their two distances, and the default.
 
-    One more of them where the default is among them.
+    If the default is among them, one more reading is taken.
     """
     nearest = list(dict.fromkeys(ranked["reading"]))
     chosen = nearest[: count + (default in nearest[:count])]
@@ -118,7 +118,7 @@ def to_confirm(ranked: pd.DataFrame, default: str, count: int = 3) -> list[str]:
 def _curves(
     reading: str, method: str, budget: str, results: Path
 ) -> tuple[list[Floats], list[Source], dict[str, float]]:
-    """Best fitness by generation of each run that there is; the records, and what each took."""
+    """Return each run's best fitness by generation, the records, and the CPU seconds of each."""
     curves: list[Floats] = []
     sources: list[Source] = []
     spent: dict[str, float] = {}
@@ -138,7 +138,7 @@ def _curves(
 
 
 def _compare(sample: Floats, paper_mean: float, paper_sd: float) -> tuple[float, ...]:
-    """What `comparisons` says of one number, from `seeds` on."""
+    """Return the columns of `comparisons` for one number, from `seeds` on."""
     seeds = len(sample)
     mean = float(sample.mean()) if seeds else math.nan
     distance = abs(mean - paper_mean) / paper_sd

@@ -29,9 +29,9 @@ class Source:
     """A record that was read."""
 
     path: str
-    """With the results folder's name in front: results/first/smoke/cartpole/..."""
+    """Path that begins with the results folder's name: results/first/smoke/cartpole/..."""
     sha256: str
-    """Of the file."""
+    """SHA-256 of the file."""
     spec: str
     """Digest of the specification without the seed."""
     runs: dict[int, str]
@@ -39,9 +39,9 @@ class Source:
 
     @classmethod
     def read(cls, results: Path, below: Path, spec: RunSpec) -> tuple[Record, Self]:
-        """The record at a path below a results folder, as by `read_record`, and where it is from.
+        """Read the record at a path below a results folder, as `read_record` does, and its source.
 
-        Both of the same bytes: another process may put another record there meanwhile.
+        Both come from the same bytes, since another process may replace the file meanwhile.
         """
         path = results / below
         content = read_bounded(path, MAX_RECORD_BYTES)
@@ -57,18 +57,18 @@ class Source:
 
 @dataclass(frozen=True)
 class CellRuns:
-    """The runs of one cell that there are."""
+    """The runs of one cell that have records."""
 
     cell: Cell
     rows: pd.DataFrame
-    """One row a seed and generation, with the columns of a record."""
+    """One row for each seed and generation, with the columns of a record."""
     missing: tuple[int, ...]
-    """Seeds that the budget has and no record holds."""
+    """Seeds of the budget that no record holds."""
     sources: tuple[Source, ...]
     held_out: dict[int, float]
     """Mean return of the champion in fresh episodes, by seed; NaN where all of them failed."""
     cpu_seconds: dict[int, float]
-    """What each seed took."""
+    """CPU seconds of each seed."""
 
     @cached_property
     def best_fitness(self) -> dict[int, Floats]:
@@ -86,10 +86,10 @@ class CellRuns:
 
 
 class Campaign:
-    """What there is of a budget in a results folder; each cell is read once, when asked for."""
+    """A budget's runs in a results folder; each cell is read once, when it is first asked for."""
 
     def __init__(self, configuration: Configuration, results: Path = RESULTS) -> None:
-        """Raises UserError where another installation of neol asks for it."""
+        """Raise UserError if the calling workflow runs another installation of neol."""
         refuse_another_package()
         self.configuration = configuration
         self._results = results
@@ -99,13 +99,13 @@ class Campaign:
         self._read: dict[Cell, CellRuns] = {}
 
     def runs(self, cell: Cell) -> CellRuns:
-        """The runs of a cell. Raises UserError for a record that is damaged or of another spec."""
+        """Return a cell's runs. Raises UserError for a damaged record or one of another spec."""
         if cell not in self._read:
             self._read[cell] = self._read_cell(cell)
         return self._read[cell]
 
     def values(self, cell: Cell, metric: str) -> dict[int, float]:
-        """An outcome of the cell's runs by seed: final_best, score or held_out."""
+        """Return an outcome of the cell's runs by seed: final_best, score or held_out."""
         runs = self.runs(cell)
         if metric == "score":
             return {
@@ -115,12 +115,12 @@ class Campaign:
         return {"final_best": runs.final_best, "held_out": runs.held_out}[metric]
 
     def score_samples(self, task: str) -> float:
-        """M, by which the SCORE of a task's runs is divided in this budget."""
+        """Return M, by which the SCORE of a task's runs is divided in this budget."""
         budget = self.configuration.budget
         return samples(budget.generations_of(task), max(budget.populations))
 
     def sources(self, cells: Iterable[Cell]) -> tuple[Source, ...]:
-        """The records of some cells, each once."""
+        """Return the records of some cells, each once."""
         return tuple(source for cell in dict.fromkeys(cells) for source in self.runs(cell).sources)
 
     def _read_cell(self, cell: Cell) -> CellRuns:
@@ -151,13 +151,13 @@ class Campaign:
 
 
 def _missing(path: Path, record: Record, block: Block) -> list[int]:
-    """The block's seeds that its record does not hold."""
+    """Return the block's seeds that its record does not hold."""
     there = {info.seed for info in record.seeds}
     strangers = sorted(there - set(block.seeds))
     if strangers:
         raise UserError(
             f"{path}: holds seed {strangers[0]}, its name says {block.first} to {block.last}; "
-            "restore it, or remove it and run anew"
+            "restore it, or remove it and run again"
         )
     return [seed for seed in block.seeds if seed not in there]
 
@@ -169,10 +169,10 @@ COSTS = ("runs", "evaluations", "env_steps", "core_hours")
 
 
 def costs(campaign: Campaign) -> pd.DataFrame:
-    """A row for each of a budget's tasks, by its name, and "all" of them; columns are `COSTS`.
+    """Return the costs of a budget: a row for each task and for "all" of them, columns `COSTS`.
 
-    Environment steps are those of training. Core-hours are CPU time, held-out episodes included,
-    worker processes not.
+    Environment steps are those of training. Core-hours are CPU time; they include held-out
+    episodes but not worker processes.
     """
     rows = []
     for cell in cells(campaign.configuration):

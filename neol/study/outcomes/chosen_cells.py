@@ -1,4 +1,4 @@
-"""Which of a budget's cells stands for a method on a task."""
+"""The choice of the cell that represents a method on a task."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,17 +12,17 @@ from neol.study.campaign.methods import challengers
 
 @dataclass(frozen=True, slots=True)
 class CellChoice:
-    """How a table chooses the cells that it shows."""
+    """A table's rule for choosing the cells that it shows."""
 
     against: tuple[str, ...]
-    """With which NEAT it compares."""
+    """The baseline that rules are compared with: `neat` or `neat_wo`."""
     metric: str
-    """Where there is a choice, the highest mean of this takes it."""
+    """Outcome whose highest mean decides between several cells."""
     paper_table: int | None
-    """Of configurations: 3 or 4; None for the largest population with any learning rate."""
+    """Table of configurations, 3 or 4; None for the largest population with any learning rate."""
 
     def methods(self, budget: Budget) -> tuple[str, ...]:
-        """Its columns, in the paper's order."""
+        """Return the table's columns in the paper's order."""
         return (*challengers(budget), *self.against)
 
 
@@ -31,16 +31,16 @@ SETTINGS = {
     "table4": CellChoice(("neat_wo",), "final_best", paper_table=4),
     "score": CellChoice(("neat", "neat_wo"), "score", paper_table=None),
 }
-"""Tables 1, 3 and 5; Tables 4 and 7; Tables 2, 6 and 8."""
+"""The settings of Tables 1, 3 and 5; of Tables 4 and 7; of Tables 2, 6 and 8."""
 
 
 def candidates(
     configuration: Configuration, setting: str = "table3"
 ) -> dict[tuple[str, str], list[Cell]]:
-    """The cells that a setting chooses among, for each task and method that the budget has.
+    """Return the cells that a setting chooses among, for each task and method of the budget.
 
-    The paper's configuration alone where the budget's grid has it, otherwise the grid; for SCORE
-    what the grid has of the largest population.
+    They are the paper's configuration alone where the budget's grid has it, otherwise the whole
+    grid; for SCORE, the cells of the largest population.
     """
     chosen_by, grid = SETTINGS[setting], cells(configuration)
     methods = chosen_by.methods(configuration.budget)
@@ -58,9 +58,9 @@ def candidates(
 
 
 def choose(values: Mapping[Cell, Sequence[float]], complete: Collection[Cell]) -> Cell | None:
-    """The best of some cells by their runs' values, among those that have all their seeds.
+    """Return the best of some cells by their runs' values, among those that have all their seeds.
 
-    A single cell is taken as it is; None where there is none, or none is complete.
+    A single cell is taken as it is. Returns None if there is no cell, or none is complete.
     """
     if len(values) == 1:
         return next(iter(values))
@@ -69,8 +69,8 @@ def choose(values: Mapping[Cell, Sequence[float]], complete: Collection[Cell]) -
 
 
 def best(means: Mapping[Cell, float]) -> Cell:
-    """The cell with the highest mean, as the paper chooses (Table 5's caption).
+    """Return the cell with the highest mean, as the paper chooses (Table 5's caption).
 
-    Of equal means the smaller population wins, then the smaller rate.
+    Ties go to the smaller population, then to the smaller rate.
     """
     return min(means, key=lambda cell: (-means[cell], cell.population, cell.learning_rate or 0.0))

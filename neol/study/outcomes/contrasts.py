@@ -18,24 +18,24 @@ from neol.study.outcomes.statistics import ALPHA, Estimate
 
 WHY_THEY_DIFFER = (
     "The difference of means is the primary comparison. A12 and the rank-sum test ask how often "
-    "one run beats another, by whatever margin, so they may disagree with it where a few runs "
+    "one run beats another, by any margin, so they may disagree with it where a few runs "
     "decide the mean."
 )
-"""For captions that show A12 or p-values beside the difference."""
+"""Sentences for captions that show A12 or p-values beside the difference."""
 
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """What a table prints of some runs."""
+    """The number of runs, their mean and standard deviation, as a table prints them."""
 
     seeds: int
     mean: float
     sd: float
-    """With n - 1 in its denominator; NaN below two seeds."""
+    """Standard deviation with n - 1 in its denominator; NaN below two seeds."""
 
     @classmethod
     def of(cls, sample: npt.ArrayLike) -> Self:
-        """Those of some runs, float64[n]."""
+        """Return the moments of some runs, float64[n]."""
         values = np.asarray(sample, dtype=np.float64)
         mean = float(values.mean()) if len(values) else math.nan
         sd = float(values.std(ddof=1)) if len(values) > 1 else math.nan
@@ -44,30 +44,30 @@ class Moments:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A difference of two means with what its interval and its test need."""
+    """A difference of two means with the standard error and degrees of freedom of its test."""
 
     value: float
     error: float
-    """Its standard error; 0 where neither side varies."""
+    """Standard error of the difference; 0 where neither side varies."""
     degrees: float
     """Degrees of freedom of Student's t."""
 
     def interval(self, confidence: float = 1 - ALPHA) -> tuple[float, float]:
-        """Where the true difference lies; a point without any spread."""
+        """Return the interval of the true difference; a single point if neither side varies."""
         if self.error == 0:
             return self.value, self.value
         reach = float(stats.t.ppf((1 + confidence) / 2, self.degrees)) * self.error
         return self.value - reach, self.value + reach
 
     def p(self, null: float = 0.0) -> float:
-        """Two-sided p-value of the hypothesis that the true difference is `null`."""
+        """Return the two-sided p-value of the hypothesis that the true difference is `null`."""
         if self.error == 0:
             return float(self.value == null)
         return float(2 * stats.t.sf(abs(self.value - null) / self.error, self.degrees))
 
 
 def difference(sample: Moments, against: Moments) -> Difference:
-    """Difference of two means whose variances may differ, with Welch's degrees of freedom."""
+    """Return the difference of two means with Welch's degrees of freedom (unequal variances)."""
     first, second = (
         each.sd**2 / each.seeds if each.seeds else math.nan for each in (sample, against)
     )
@@ -79,7 +79,7 @@ def difference(sample: Moments, against: Moments) -> Difference:
 
 
 def paired(sample: Mapping[int, float], against: Mapping[int, float]) -> Difference:
-    """Mean difference of the runs that share a seed; each side's values are given by seed."""
+    """Return the mean difference of the runs that share a seed; values are given by seed."""
     gaps = [sample[seed] - against[seed] for seed in sorted(sample.keys() & against.keys())]
     moments = Moments.of(gaps)
     error = moments.sd / math.sqrt(moments.seeds) if gaps else math.nan
@@ -87,7 +87,7 @@ def paired(sample: Mapping[int, float], against: Mapping[int, float]) -> Differe
 
 
 def correlation(sample: Mapping[int, float], against: Mapping[int, float]) -> float:
-    """Pearson's correlation over shared seeds; NaN for fewer than three, or without spread."""
+    """Return Pearson's correlation over shared seeds; NaN for fewer than 3, or without spread."""
     shared = sorted(sample.keys() & against.keys())
     pairs = np.array([(sample[seed], against[seed]) for seed in shared]).reshape(-1, 2)
     if len(pairs) < 3 or (pairs == pairs[0]).all(axis=0).any():
@@ -96,7 +96,7 @@ def correlation(sample: Mapping[int, float], against: Mapping[int, float]) -> fl
 
 
 def sd_ratio(sample: Moments, against: Moments, confidence: float = 1 - ALPHA) -> Estimate:
-    """Ratio of two standard deviations with its interval from F (normal outcomes).
+    """Return the ratio of two standard deviations, with its interval from F (normal outcomes).
 
     NaN where a side has fewer than two seeds, or the divisor is 0.
     """
@@ -110,9 +110,9 @@ def sd_ratio(sample: Moments, against: Moments, confidence: float = 1 - ALPHA) -
 
 
 def sd_p(sample: Moments, against: Moments) -> float:
-    """Two-sided p-value of the F test that two standard deviations are equal (normal outcomes).
+    """Return the two-sided p-value of the F test of equal standard deviations (normal outcomes).
 
-    Without any spread on one side it is 0, on both sides 1.
+    It is 0 if one side has no spread, 1 if neither has.
     """
     if not (sample.sd >= 0 and against.sd >= 0):
         return math.nan
@@ -123,11 +123,11 @@ def sd_p(sample: Moments, against: Moments) -> float:
 
 
 def not_below_the_best(groups: Sequence[Moments]) -> list[bool]:
-    """Which groups cannot be told from the best: no other one is higher, by one-sided Welch tests.
+    """Return which groups are not distinguishable from the best, by one-sided Welch tests.
 
-    Each at `ALPHA` divided by the number of rivals, so the group with the highest true mean is
-    among them with probability 1 - ALPHA, whichever it is and however many there are (subset
-    selection; Gupta 1965). A group without a mean is not; one without a deviation stays.
+    Each test is at `ALPHA` divided by the number of rivals, so the group with the highest true mean
+    is selected with probability 1 - ALPHA or more (subset selection; Gupta 1965). A group without a
+    mean is left out; one without a standard deviation stays.
     """
     level = ALPHA / max(len(groups) - 1, 1)
 
@@ -142,7 +142,7 @@ def not_below_the_best(groups: Sequence[Moments]) -> list[bool]:
 
 
 def compare(sample: Mapping[int, float], against: Mapping[int, float]) -> dict[str, float]:
-    """The primary comparison of two groups of runs, given by seed, as columns of a table.
+    """Return the primary comparison of two groups of runs, given by seed, as a table's columns.
 
     `difference` with Welch's interval, `low` and `high`, and two-sided `p`; the mean difference of
     the pairs that share a seed, `paired`, with its interval, and their `correlation`.

@@ -1,9 +1,9 @@
-"""What the paper does not show: effect sizes, aggregates, equal cost, selection bias.
+"""Analyses beyond the paper's: effect sizes, aggregates, equal cost, selection bias.
 
 Each function makes a table from a budget's outcomes; `effect_figures` draws it. Seeds are the
 units. A seed gives all methods the same episodes and, as far as their sizes agree, the same first
-population. So beside each difference of independent samples there are the correlation of the runs
-that share a seed and the difference by pairs, which is narrower where they are alike.
+population. Each difference of independent samples therefore comes with the correlation of runs that
+share a seed and with the paired difference, whose interval is narrower where such runs are alike.
 """
 
 import math
@@ -41,25 +41,25 @@ from neol.study.outcomes.statistics import (
 
 ABLATION = "neat_wo"
 FITNESS, SCORE, HELD_OUT = OUTCOMES = "final fitness", "SCORE", "held-out return"
-"""What methods are compared by."""
+"""Outcome by which methods are compared, in print."""
 
 
 class Family(NamedTuple):
-    """Each rule, and NEAT (w/o) unless it is the other side, against a method on each task."""
+    """Comparisons of each rule, and of NEAT (w/o), with a baseline on each task."""
 
     outcome: str
     setting: Setting
     metric: Metric
     against: str
     declared: bool
-    """Whether its tests of rules are of the declared family, of which Holm's correction is."""
+    """Whether its tests of rules belong to the declared family that Holm's correction covers."""
     paper_tables: tuple[int, ...] = ()
-    """Those that print the means of the same comparison."""
+    """The paper's tables that print the means of the same comparison."""
     paper_p_values: int | None = None
-    """The table of the paper's p-values of it."""
+    """The paper's table of p-values of this comparison."""
 
     def methods(self, budget: Budget) -> tuple[str, ...]:
-        """Those that are compared."""
+        """Return the methods that are compared with the baseline."""
         return challengers(budget) + (() if self.against == ABLATION else (ABLATION,))
 
 
@@ -71,14 +71,14 @@ COMPARISONS = (
     Family(SCORE, "score", "score", ABLATION, True, (8,)),
     Family(HELD_OUT, "table4", "held_out", ABLATION, False),
 )
-"""Four of three rules on four tasks make the declared family of 48 tests."""
+"""Four of them, with three rules on four tasks each, make the declared family of 48 tests."""
 
 
 @cache
 def thresholds() -> dict[str, float]:
-    """Gymnasium's reward thresholds: the unit in which returns of all tasks are put together.
+    """Return Gymnasium's reward threshold of each of the paper's tasks that has one.
 
-    Of each of the paper's tasks that has one.
+    It is the unit in which returns of several tasks are averaged.
     """
     environments = {name: task.environment for name, task in load_configuration().tasks.items()}
     found = {name: gymnasium.spec(each).reward_threshold for name, each in environments.items()}
@@ -86,15 +86,15 @@ def thresholds() -> dict[str, float]:
 
 
 def effect_sizes(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
-    """Each of `COMPARISONS` on each task: the difference of means, and what stands beside it.
+    """Return the effect sizes of `COMPARISONS`: a row for each comparison, method and task.
 
     `difference` has Welch's interval (`low`, `high`) and two-sided `p`, corrected by Holm over the
-    declared family in `p_holm`. Beside it, of the same runs: the analysis of pairs that share a
-    seed (`paired`, its interval, and their `correlation`), A12 with its bootstrap interval, and the
-    two-sided rank-sum test; of the paper, the difference of its printed means with Welch's interval
-    and A12 from its p-value. `seeds_needed` is for the paper's A12. `near_control`: the rule
-    moves next to nothing there. A row with task "all" is the probability of improvement, A12
-    averaged over several tasks. The tests of NEAT (w/o) are of no family.
+    declared family in `p_holm`. The same runs also give the analysis of pairs that share a seed
+    (`paired`, its interval, and their `correlation`), A12 with its bootstrap interval, and the
+    two-sided rank-sum test. From the paper come the difference of its printed means with Welch's
+    interval, and A12 from its p-value. `seeds_needed` is for the paper's A12. `near_control` says
+    that the rule hardly moves a weight there. A row with task "all" is the probability of
+    improvement, A12 averaged over several tasks. Tests of NEAT (w/o) belong to no family.
     """
     random = np.random.default_rng(seed)
     rows: list[dict[str, object]] = []
@@ -138,9 +138,9 @@ def effect_sizes(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFr
 
 
 def aggregates(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
-    """Interquartile mean of the final fitness in units of Gymnasium's thresholds, with interval.
+    """Return interquartile means of final fitness, in units of Gymnasium's thresholds.
 
-    Of each task, and with task "all" their mean where there are several.
+    Each task has a row for each method; rows with task "all" hold the mean of several tasks.
     """
     random = np.random.default_rng(seed)
     rows = []
@@ -156,10 +156,10 @@ def aggregates(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFram
 
 
 def profiles(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
-    """Performance profiles: the share of runs above each threshold, all tasks weighing the same.
+    """Return performance profiles: the share of runs above each threshold, tasks weighing equally.
 
-    A profile is a step function: a row says the share from its threshold to the next one. The
-    thresholds are all values that a run has, and one below, where the share is still 1.
+    A profile is a step function: a row has the share from its threshold to the next one. The
+    thresholds are the values of all runs, and one below them, where the share is still 1.
     """
     random = np.random.default_rng(seed)
     samples = {
@@ -184,12 +184,13 @@ def profiles(outcomes: Outcomes, budget: Budget, seed: int = 0) -> pd.DataFrame:
 
 
 def efficiency(outcomes: Outcomes) -> pd.DataFrame:
-    """SCORE and the best-so-far fitness at equal cost, by task, method and population.
+    """Return SCORE and the best-so-far fitness at equal cost, by task, method and population.
 
-    Means over the learning rates, then over the seeds: nothing is selected. A row for each metric,
-    and for each of two ranges: methods of one `population` share nearly their whole runs, cells of
-    all `populations` much less. `first` and `last` are the evaluations (or steps) that a mean at
-    equal cost is taken between. SCORE has no range; divided by P it is `score_per_genome`.
+    Values are means over the learning rates, then over the seeds: nothing is selected. There is a
+    row for each metric and for each of two ranges: methods of one `population` share nearly their
+    whole runs, cells of all `populations` much less. `first` and `last` are the evaluations (or
+    steps) that a mean at equal cost is taken between. SCORE has no range; divided by P it is
+    `score_per_genome`.
     """
     keys = ["metric", "compared", "task", "method", "population"]
     own = outcomes.runs.assign(compared="population")
@@ -213,10 +214,10 @@ def efficiency(outcomes: Outcomes) -> pd.DataFrame:
 
 
 def selection_bias(outcomes: Outcomes) -> pd.DataFrame:
-    """How far the training maximum flatters: final best minus the champion's held-out mean.
+    """Return the selection bias: final best fitness minus the champion's held-out mean.
 
-    By task, method and population: means over the learning rates, then over the seeds. Those of the
-    two terms are over the runs that have both.
+    A row for each task, method and population has means over the learning rates, then over the
+    seeds. The means of the two terms are over the runs that have both.
     """
     keys = ["task", "method", "population"]
     runs = outcomes.runs.assign(value=outcomes.runs["final_best"] - outcomes.runs["held_out"])
@@ -226,7 +227,7 @@ def selection_bias(outcomes: Outcomes) -> pd.DataFrame:
 
 
 def _papers(family: Family, task: str, method: str) -> dict[str, float]:
-    """The difference of the means that the paper prints, with Welch's interval; NaN without."""
+    """Return the difference of the paper's printed means with Welch's interval; else NaN."""
     printed = paper_numbers.moments(family.paper_tables, task)
     both = [printed.get(each, Moments(0, math.nan, math.nan)) for each in (method, family.against)]
     papers = difference(*both)
@@ -237,19 +238,19 @@ def _papers(family: Family, task: str, method: str) -> dict[str, float]:
 def _effect(
     effect: Effect, samples: Sequence[Floats], random: np.random.Generator
 ) -> dict[str, float]:
-    """An A12 with its interval, as columns of a table."""
+    """Return an A12 with its interval, as columns of a table."""
     a12 = estimate(effect, samples, random)
     return {"a12": a12.value, "a12_low": a12.low, "a12_high": a12.high}
 
 
 def _chosen(outcomes: Outcomes, setting: str, task: str, method: str) -> Cell | None:
-    """The cell that stands for a method; NEAT (w/o), which Table 3 lacks, has its Table 4 cell."""
+    """Return a method's cell; NEAT (w/o), which Table 3 lacks, has its cell of Table 4."""
     setting = "table4" if (setting, method) == ("table3", ABLATION) else setting
     return outcomes.chosen(setting, task, method)
 
 
 def _by_seed(outcomes: Outcomes, cell: Cell | None, metric: str) -> dict[int, float]:
-    """An outcome of the runs of a cell by seed, without those that have none."""
+    """Return an outcome of a cell's runs by seed, without the runs that lack it."""
     if cell is None:
         return {}
     values = zip(outcomes.seeds(cell), outcomes.values(cell, metric).tolist(), strict=True)
@@ -257,7 +258,7 @@ def _by_seed(outcomes: Outcomes, cell: Cell | None, metric: str) -> dict[int, fl
 
 
 def _at_equal_cost(outcomes: Outcomes, compared: Sequence[Cell], metric: str) -> pd.DataFrame:
-    """The runs of some cells with their `value`, a mean at equal cost."""
+    """Return the runs of some cells with their `value`, a mean at equal cost."""
     rows = [
         (cell.task, cell.method, cell.population, seed, value)
         for cell, values in zip(compared, outcomes.samples(compared, metric), strict=True)
@@ -267,7 +268,7 @@ def _at_equal_cost(outcomes: Outcomes, compared: Sequence[Cell], metric: str) ->
 
 
 def _normalised(outcomes: Outcomes, tasks: Sequence[str], method: str) -> dict[str, Floats]:
-    """A method's final fitness on each task that has a threshold, divided by it."""
+    """Return a method's final fitness on each task that has a threshold, divided by it."""
     chosen = {task: _chosen(outcomes, "table3", task, method) for task in tasks}
     return {
         task: np.array([*_by_seed(outcomes, cell, "final_best").values()]) / thresholds()[task]
@@ -277,7 +278,7 @@ def _normalised(outcomes: Outcomes, tasks: Sequence[str], method: str) -> dict[s
 
 
 def _mean_by(table: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
-    """Mean of `value` with Student's interval, by some keys.
+    """Return the mean of `value` with Student's interval, by some keys.
 
     A seed's runs share its random numbers, so they are averaged to one value first. `seeds` counts
     those values, `without_value` the runs that have none: a champion may have failed everywhere.

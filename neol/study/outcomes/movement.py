@@ -1,7 +1,7 @@
-"""How far plasticity moves weights in the runs of a cell, from its records.
+"""Measures of how far plasticity moves weights in the runs of a cell, from its records.
 
-Over a run a weight's path is the sum of its mean changes, an evaluation in each generation: with
-write-back a child begins where its parent ended, so that is how far a line of descent can get.
+A weight's path over a run is the sum of its mean changes, one evaluation in each generation. With
+write-back a child begins where its parent ended, so this is how far a line of descent can get.
 """
 
 import math
@@ -20,29 +20,29 @@ NEAR_CONTROL = 0.1
 """Below this path over a run, in standard deviations of initial weights, nothing is learned.
 
 Were all changes of a weight in one direction, it would still end a tenth of a standard deviation
-from where it began, a fifth of what a single mutation of NEAT's moves it by. So whatever such a
-cell comes to, it is a control: NEAT without weight mutation by another name.
+from where it began, a fifth of what a single mutation of NEAT's moves it by. Such a
+cell is therefore a control: in effect NEAT without weight mutation.
 """
 NEAR_CONTROL_WORDS = (
     "near control: over a whole run the changes of a weight add up to less than "
     f"{NEAR_CONTROL:g} standard deviations of the initial weights, so this is no effect of learning"
 )
 NEAR_CONTROL_MARK = "†"
-"""Behind what is said of such a cell."""
+"""Mark behind the name or value of such a cell."""
 
 
 @dataclass(frozen=True, slots=True)
 class Movement:
-    """Means over the runs of a cell; NaN without runs."""
+    """How far weights move, as means over the runs of a cell; NaN without runs."""
 
     per_evaluation: float
-    """|change| of a weight in an evaluation, on average over a population and the generations."""
+    """Mean |change| of a weight in an evaluation, over the population and the generations."""
     over_run: float
     """Length of a weight's path over the run, in standard deviations of initial weights."""
 
 
 def movement(campaign: Campaign, cell: Cell) -> Movement:
-    """How far weights move in the runs of a cell."""
+    """Return how far weights move in the runs of a cell."""
     configuration = campaign.configuration
     by_run = campaign.runs(cell).rows.groupby("seed")["weight_change_mean"]
     per_evaluation = float(by_run.mean().mean())
@@ -53,13 +53,13 @@ def movement(campaign: Campaign, cell: Cell) -> Movement:
 
 
 def is_near_control(campaign: Campaign, cell: Cell) -> bool:
-    """Whether a cell has a rule, and runs in which it moves next to nothing."""
+    """Return whether a cell has a rule and runs in which the rule hardly moves a weight."""
     learns = campaign.configuration.methods[cell.method].learns
     return learns and movement(campaign, cell).over_run < NEAR_CONTROL
 
 
 def movements(campaign: Campaign) -> pd.DataFrame:
-    """A row for each cell that has a rule: how far its weights move, and whether that is little."""
+    """Return a row for each cell with a rule: how far weights move, and if it is near control."""
     rows = []
     for cell in cells(campaign.configuration):
         if not campaign.configuration.methods[cell.method].learns:
@@ -74,16 +74,16 @@ def movements(campaign: Campaign) -> pd.DataFrame:
 
 
 def read_switched_off(path: str) -> pd.DataFrame:
-    """What `learning` needs of champions played again; empty where the file is not there."""
+    """Read the returns of champions with and without plasticity; empty if the file is missing."""
     if Path(path).exists():
         return pd.read_csv(path)
-    print(f"neol: {path}: not there, so no champion is shown without plasticity", file=sys.stderr)
+    print(f"neol: {path}: missing, so no champion is shown without plasticity", file=sys.stderr)
     keys = ["task", "method", "population", "learning_rate", "seed"]
     return pd.DataFrame(columns=[*keys, "plastic", "fixed"])
 
 
 def learning(campaign: Campaign, switched_off: pd.DataFrame) -> pd.DataFrame:
-    """`movements`, and what switching plasticity off changes in the champions' return.
+    """Return `movements`, and how switching plasticity off changes the champions' return.
 
     `switched_off` has a row for each champion that was played again: the cell's columns, seed, and
     its mean returns with plasticity, `plastic`, and without, `fixed`, in the same episodes. Their
@@ -102,7 +102,7 @@ def learning(campaign: Campaign, switched_off: pd.DataFrame) -> pd.DataFrame:
 
 
 def describe_learning(table: pd.DataFrame) -> list[str]:
-    """In how many cells switching plasticity off changes what champions return: two sentences."""
+    """Say in two sentences in how many cells switching plasticity off changes champions' return."""
     sentences = []
     for near, words in ((True, "near control"), (False, "where weights move")):
         played = table[(table["near_control"] == near) & table["low"].notna()]
@@ -110,7 +110,7 @@ def describe_learning(table: pd.DataFrame) -> list[str]:
         lower = int((played["high"] < 0).sum())
         sentences.append(
             f"Of {len(played)} cells {words}, switching plasticity off changes the champions' "
-            f"return in {changed} (lower in {lower}); by chance about {ALPHA * len(played):.1f} "
-            "would seem to."
+            f"return in {changed} (lower in {lower}); chance alone would give about "
+            f"{ALPHA * len(played):.1f}."
         )
     return sentences

@@ -1,4 +1,4 @@
-"""What the multiverse's records say: the answer to each question under every reading of the grid.
+"""The multiverse: the answer to each question under every reading of the grid, from records.
 
 docs/readings-plan.md states the questions: is a rule above NEAT, or above NEAT (w/o)?
 """
@@ -26,22 +26,22 @@ from neol.study.outcomes.campaign_runs import SECONDS_IN_AN_HOUR, Campaign
 from neol.study.outcomes.contrasts import Moments, difference
 
 METRICS = {"final_best": "final fitness", "score": "SCORE", "held_out": "held-out return"}
-"""What is compared of runs, and how it is called in print."""
+"""Outcomes that are compared, and their names in print."""
 QUESTION = ["task", "metric", "method", "against"]
-"""The columns that make a question."""
+"""Columns that identify a question."""
 
 
 class Answers(NamedTuple):
-    """The multiverse as far as its records are there."""
+    """Answers of the readings that have records."""
 
     table: pd.DataFrame
-    """A row for each question and reading that has all runs of the question's task.
+    """One row for each question and reading that has all runs of the question's task.
 
     The columns `QUESTION`; the option of each choice; `difference` of the two means with its
     interval, `low` to `high`; `distinguishable`, whether that excludes 0.
     """
     readings: dict[str, int]
-    """How many readings have all their runs, by task."""
+    """Number of readings that have all their runs, by task."""
     core_hours: float
 
 
@@ -86,7 +86,7 @@ def answers(results: Path = RESULTS) -> Answers:
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a row for each question: what its answers have in common.
+    """Return a summary of each question's answers over all readings, one row each.
 
     Columns: `QUESTION`; the `median`, `least` and `greatest` difference; the shares of readings in
     which the rule is `above`, distinguishably above (`clearly_above`) and distinguishably below

@@ -1,4 +1,4 @@
-"""What every run of a budget came to: one row a run, from which all statistics are made."""
+"""The outcomes of a budget's runs: one row for each run, from which all statistics are made."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,35 +23,35 @@ METRICS = {
     "equal_steps": "mean best-so-far fitness at equal environment steps",
     "held_out": "held-out return of the champion",
 }
-"""Outcomes of a run, and how they are called in print."""
+"""Outcomes of a run, and their names in print."""
 _OWN = ("final_best", "score", "held_out")
-"""Those that a run has by itself; the others depend on which runs are compared."""
+"""Outcomes that a run has by itself; the others depend on which runs are compared."""
 EQUAL = {"equal_evaluations": "evaluations", "equal_steps": "env_steps"}
-"""What each of those is a mean over: a column of records."""
+"""The column of records that counts each outcome's cost."""
 
 
 @dataclass(frozen=True)
 class Outcomes:
-    """The runs of a budget that there are."""
+    """The runs of a budget that have records."""
 
     runs: pd.DataFrame
-    """A row a run: task, method, population, learning_rate (NaN for none), seed, and its outcomes.
+    """One row for each run: task, method, population, learning_rate (NaN for none), seed, outcomes.
 
-    Those are the `METRICS` that a run has by itself; `samples` has the others.
+    The outcomes are the `METRICS` that a run has by itself; `samples` has the others.
     """
     cells: tuple[Cell, ...]
-    """The budget's grid, whether it has runs or not."""
+    """All cells of the budget's grid, with runs or without."""
     candidates: Mapping[str, Mapping[tuple[str, str], list[Cell]]]
-    """By setting, task and method: the cells that it chooses among."""
+    """Cells that a setting chooses among, by setting, task and method."""
     budget: Budget
     histories: Mapping[Cell, pd.DataFrame] = field(default_factory=dict)
-    """Of the cells that have runs: a row a seed and generation, with the columns of a record."""
+    """Histories of the cells with runs: one row for each seed and generation, as in a record."""
 
     near_control: frozenset[Cell] = frozenset()
-    """Those whose rule moves next to nothing."""
+    """Cells whose rule hardly moves a weight."""
 
     def samples(self, compared: Sequence[Cell], metric: str) -> list[Floats]:
-        """The runs of some cells that are compared with each other, by seed.
+        """Return the outcomes of cells that are compared with each other, each by seed.
 
         A mean at equal cost is taken over the range that the runs of just these cells have in
         common (`equal_range`); NaN where there is none.
@@ -70,10 +70,10 @@ class Outcomes:
         ]
 
     def equal_range(self, compared: Iterable[Cell], metric: str) -> tuple[float, float]:
-        """From where and to where all runs of some cells have a best-so-far fitness.
+        """Return the range in which all runs of some cells have a best-so-far fitness.
 
-        In evaluations or environment steps, as the metric counts: from the latest end of a first
-        generation to the earliest end of a run. NaN without runs.
+        It is in evaluations or environment steps, as the metric counts: from the latest end of a
+        first generation to the earliest end of a run. NaN without runs.
         """
         column = EQUAL[metric]
         spent = [
@@ -87,40 +87,40 @@ class Outcomes:
         return float(max(first)), float(min(last))
 
     def values(self, cell: Cell, metric: str) -> Floats:
-        """An outcome that the runs of a cell have by themselves, by seed."""
+        """Return an outcome that a cell's runs have by themselves, by seed."""
         return self._by_cell.get(cell, self.runs.iloc[:0])[metric].to_numpy(dtype=np.float64)
 
     def seeds(self, cell: Cell) -> list[int]:
-        """The seeds of a cell that there are, in the order of `values`."""
+        """Return the seeds of a cell's runs, in the order of `values`."""
         return [int(seed) for seed in self._by_cell.get(cell, self.runs.iloc[:0])["seed"]]
 
     def mean(self, cell: Cell, metric: str) -> float:
-        """Over the seeds that there are; NaN without any."""
+        """Return the mean of an outcome over the seeds that have runs; NaN without any."""
         values = self.values(cell, metric)
         return float(values.mean()) if len(values) else float("nan")
 
     def missing(self, cell: Cell) -> int:
-        """How many of its seeds a cell lacks."""
+        """Return the number of seeds that a cell lacks."""
         return self.budget.seed_count - len(self._by_cell.get(cell, ()))
 
     def leading(self, cell: Cell) -> int:
-        """How many of the budget's first seeds a cell has, up to the first that is missing."""
+        """Return how many of the budget's first seeds a cell has before the first missing one."""
         there = set(self._by_cell[cell]["seed"]) if cell in self._by_cell else set()
         seeds = self.budget.seed_range
         return next((place for place, seed in enumerate(seeds) if seed not in there), len(seeds))
 
     def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:
-        """All cells of a task and some methods."""
+        """Return all cells of a task and some methods."""
         return [cell for cell in self.cells if cell.task == task and cell.method in methods]
 
     def chosen(self, setting: str, task: str, method: str) -> Cell | None:
-        """The cell that stands for a method on a task; None if there is none, or none complete."""
+        """Return a method's cell on a task; None if there is none, or none is complete."""
         metric, among = SETTINGS[setting].metric, self.candidates[setting].get((task, method), [])
         values = {cell: self.values(cell, metric).tolist() for cell in among}
         return choose(values, [cell for cell in among if not self.missing(cell)])
 
     def _runs(self, cell: Cell) -> Iterator[pd.DataFrame]:
-        """The generations of each of a cell's runs, by seed."""
+        """Return the generations of each of a cell's runs, by seed."""
         if cell in self.histories:
             yield from (run for _, run in self.histories[cell].groupby("seed"))
 
@@ -132,7 +132,7 @@ class Outcomes:
 
 
 def gather(campaign: Campaign, *further: Campaign) -> Outcomes:
-    """The outcomes of all runs of a campaign, and of further ones whose cells it does not have."""
+    """Return the outcomes of a campaign, and of further ones whose cells it does not have."""
     configuration = campaign.configuration
     campaigns = dict.fromkeys(cells(configuration), campaign)
     campaigns |= {cell: each for each in further for cell in cells(each.configuration)}
@@ -151,7 +151,7 @@ def gather(campaign: Campaign, *further: Campaign) -> Outcomes:
 
 
 def _rows(campaign: Campaign, cell: Cell) -> Iterator[tuple[object, ...]]:
-    """What each run of a cell came to."""
+    """Return the outcomes of each run of a cell."""
     own = [campaign.values(cell, metric) for metric in _OWN]
     place = cell.task, cell.method, cell.population, cell.learning_rate
     yield from ((*place, seed, *(values[seed] for values in own)) for seed in sorted(own[0]))

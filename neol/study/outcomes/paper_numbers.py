@@ -10,7 +10,7 @@ from neol.study.outcomes.contrasts import Moments
 from neol.study.outcomes.statistics import paper_statistic
 
 PAPER_SEEDS = 30
-"""Of each method in the paper."""
+"""Seeds of each method in the paper."""
 
 _TWO_SIDED = (
     "The caption describes the one-sided test, but the paper's p-values are two-sided: with normal "
@@ -37,7 +37,7 @@ CONTRADICTIONS = {
     ),
     4: (
         "The paper's Table 7 prints for Hebb on Bipedal Walker the value of Table 1, where its "
-        "population is 200, not 300. Table 8 prints SCOREs that no population of 50 can come to.",
+        "population is 200, not 300. Table 8 prints SCOREs that no population of 50 can reach.",
     ),
     5: (
         f"{_TWO_SIDED}: 2.87e-2 for Hebb on Hopper. So Section 4.2, p < 0.05 for all rules on all "
@@ -59,12 +59,12 @@ CONTRADICTIONS = {
         "(w/o) trail, but on Bipedal Walker Hebb is lower.",
     ),
 }
-"""By table: where the paper's numbers contradict its words, or each other."""
+"""Contradictions of the paper's numbers with its words or each other, by table."""
 
 
 @cache
 def values(table: int) -> dict[tuple[str, str], tuple[float, float | None]]:
-    """Value and deviation by task and column of Tables 1, 2, 5-8; p-values have no deviation."""
+    """Return value and deviation by task and column of Tables 1, 2, 5-8; a p-value has none."""
     return {
         (row["task"], row["column"]): (float(row["value"]), _optional(row["sd"]))
         for row in _rows("tables", table)
@@ -72,7 +72,7 @@ def values(table: int) -> dict[tuple[str, str], tuple[float, float | None]]:
 
 
 def moments(tables: Iterable[int], task: str) -> dict[str, Moments]:
-    """Mean and deviation of each method on a task, in the first of some tables that has it."""
+    """Return each method's mean and deviation on a task, from the first table that has it."""
     found: dict[str, Moments] = {}
     for table in tables:
         for (of, method), (mean, sd) in values(table).items():
@@ -82,9 +82,9 @@ def moments(tables: Iterable[int], task: str) -> dict[str, Moments]:
 
 
 def paper_a12(table: int, task: str, method: str) -> float:
-    """A12 of a rule against NEAT from its p-value in Table 5 or 6: U over the pairs of 30 seeds.
+    """Return A12 of a rule against NEAT, from its p-value in Table 5 or 6: U over 30 x 30 pairs.
 
-    NaN where the table has none, or its p-value is not that of exactly one U.
+    NaN where the table has no p-value, or not exactly one U has it.
     """
     p, _ = values(table).get((task, f"{method}_vs_neat"), (math.nan, None))
     u = paper_statistic(p, digits=4 if table == 5 else 3, seeds=PAPER_SEEDS)
@@ -93,7 +93,7 @@ def paper_a12(table: int, task: str, method: str) -> float:
 
 @cache
 def settings(table: int) -> dict[tuple[str, str], tuple[int, float | None]]:
-    """Population and learning rate by task and method, of Table 3 or 4."""
+    """Return population and learning rate by task and method, from Table 3 or 4."""
     return {
         (row["task"], row["method"]): (int(row["population"]), _optional(row["learning_rate"]))
         for row in _rows("configurations", table)

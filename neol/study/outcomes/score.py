@@ -11,28 +11,30 @@ import numpy.typing as npt
 from neol.study.outcomes.statistics import Floats
 
 PAPER_SAMPLES = 1e8
-"""M of the paper's budget: not printed, but the one constant that fits its Tables 2 and 8."""
+"""M of the paper's budget: the paper does not print it; only this constant fits Tables 2 and 8."""
 PAPER_GENERATIONS = 500
 PAPER_POPULATION = 300
 
 
 def samples(generations: int, largest_population: int) -> float:
-    """M of a budget: "the multiple of the number of generations and the population" (Section 4.3).
+    """Return M of a budget: 1e8 scaled by its generations and largest population.
 
-    The paper's 1e8 is 666.7 times its 500 x 300, and every budget's M that multiple of its own. So
-    the same mean best fitness at a budget's largest population is the same SCORE in every budget.
+    Section 4.3 calls M "the multiple of the number of generations and the population". The paper's
+    1e8 is 666.7 times its 500 x 300, and every budget's M is the same multiple of its own product.
+    So the same mean best fitness at a budget's largest population is the same SCORE in every
+    budget.
     """
     size = generations * largest_population
     return PAPER_SAMPLES * size / (PAPER_GENERATIONS * PAPER_POPULATION)
 
 
 def score(best_fitness: npt.ArrayLike, population: int, samples: float) -> float:
-    """SCORE of a run: P / M times the sum over its generations of the best fitness."""
+    """Return SCORE of a run: P / M times the sum over its generations of the best fitness."""
     return float(population / samples * np.sum(best_fitness))
 
 
 def best_so_far(best_fitness: npt.ArrayLike) -> Floats:
-    """Highest fitness of all generations up to each one."""
+    """Return the highest fitness of all generations up to each one."""
     highest: Floats = np.maximum.accumulate(np.asarray(best_fitness, dtype=np.float64))
     return highest
 
@@ -40,7 +42,7 @@ def best_so_far(best_fitness: npt.ArrayLike) -> Floats:
 def best_so_far_at(
     points: npt.ArrayLike, best_fitness: npt.ArrayLike, spent: npt.ArrayLike
 ) -> Floats:
-    """Best-so-far fitness when `points` evaluations (or steps) were spent: a step function.
+    """Return the best-so-far fitness after `points` evaluations (or steps): a step function.
 
     `spent` is the total after each generation: it counts once it is complete. NaN before the first.
     """
@@ -51,10 +53,10 @@ def best_so_far_at(
 def mean_best_so_far(
     best_fitness: npt.ArrayLike, spent: npt.ArrayLike, first: float, last: float
 ) -> float:
-    """Mean of the best-so-far fitness between `first` and `last` evaluations (or steps).
+    """Return the mean best-so-far fitness between `first` and `last` evaluations (or steps).
 
-    The exact area under the step function divided by its width. NaN where there is no such range,
-    or where the run has no value at its beginning or none at its end.
+    It is the exact area under the step function divided by its width. NaN where there is no such
+    range, or where the run has no value at its beginning or none at its end.
     """
     spent = np.asarray(spent, dtype=np.float64)
     if not first < last or first < spent[0] or last > spent[-1]:

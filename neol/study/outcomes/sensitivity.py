@@ -1,4 +1,4 @@
-"""How much each constant that the paper leaves open matters, against the baseline's runs."""
+"""The effect of each constant that the paper leaves open, compared with the baseline's runs."""
 
 from pathlib import Path
 
@@ -16,16 +16,16 @@ from neol.study.outcomes.statistics import Floats, estimate
 def sensitivity(
     configuration: Configuration, results: Path = RESULTS, seed: int = 0
 ) -> tuple[pd.DataFrame, tuple[Source, ...]]:
-    """Held-out return of each variant's champions: mean, and the baseline's runs beaten.
+    """Compare each variant's held-out return with the baseline's; return a table and its records.
 
-    The training maximum would not do: a variant can change what it measures (N). A variant's run
-    shares its seed with one of the baseline, so `a12` is of these pairs: the share in which the
-    variant's ends higher, ties half, with the interval of a bootstrap over pairs. Runs that are the
-    same give exactly 1/2. `difference` is the pairs' mean difference. A row for each variant, task
-    and method, with its `seeds`, those of them `without_value` (a champion that failed in all fresh
-    episodes), the `pairs` that remain, and how many of the runs are the `same` as the baseline's in
-    each number of each generation: there the constant acted on nothing. What is not there gives
-    NaN. And the records.
+    The training maximum is not comparable: a variant can change what it measures (N). A variant's
+    run shares its seed with one of the baseline, so `a12` is of these pairs: the share in which the
+    variant's run ends higher, ties counting half, with the interval of a bootstrap over pairs. Runs
+    that are the same give exactly 1/2. `difference` is the pairs' mean difference. A row for each
+    variant, task and method, with its `seeds`, those of them `without_value` (a champion that
+    failed in all fresh episodes), the `pairs` that remain, and how many of the runs are the `same`
+    as the baseline's in each number of each generation: there the constant acted on nothing.
+    Missing runs give NaN.
     """
     random = np.random.default_rng(seed)
     samples: dict[tuple[str, str, str], pd.Series[float]] = {}
@@ -56,7 +56,7 @@ def sensitivity(
 def _read(
     trial: Trial, results: Path
 ) -> tuple["pd.Series[float]", dict[int, pd.DataFrame], list[Source]]:
-    """By seed the held-out mean of a trial's champion, and its generations; and the record."""
+    """Return the champions' held-out means and the generations by seed, and the record."""
     path = results / trial.record
     if not path.exists():
         return pd.Series(dtype=np.float64), {}, []
@@ -64,7 +64,7 @@ def _read(
     if [info.seed for info in record.seeds] != list(trial.seeds):
         raise UserError(
             f"{path}: does not hold seeds {trial.seeds[0]} to {trial.seeds[-1]}, those of the "
-            "study; remove it and run anew"
+            "study; remove it and run again"
         )
     held_out = {info.seed: info.held_out.mean for info in record.seeds}
     frame = record.frame()

@@ -18,7 +18,7 @@ ALPHA = 0.05
 """The level of every test; intervals hold 1 - ALPHA."""
 Floats = npt.NDArray[np.float64]
 Effect = Callable[..., Floats]
-"""Of samples with seeds along the last axis: float64[..., n_1], float64[..., n_2], ... -> [...]."""
+"""A function of samples, seeds along the last axis: float64[..., n_1], [..., n_2], ... -> [...]."""
 
 RESAMPLES = 10_000
 
@@ -40,7 +40,7 @@ def rank_sum(
     against: npt.ArrayLike,
     alternative: Literal["two-sided", "greater"] = "two-sided",
 ) -> float:
-    """p-value of the Wilcoxon rank-sum test: do two samples tend to different values?
+    """Return the p-value of the Wilcoxon rank-sum test: do two samples tend to different values?
 
     With `greater`: does `sample` tend to larger values? `scipy.stats.mannwhitneyu`: normal
     approximation with corrections for ties and continuity, exact for 8 seeds or fewer without ties.
@@ -56,7 +56,7 @@ def rank_sum(
 
 
 def paper_statistic(p: float, digits: int, seeds: int) -> int | None:
-    """The Mann-Whitney U above its mean whose two-sided p-value prints as `p` (so many digits).
+    """Return the Mann-Whitney U above its mean whose two-sided p-value prints as `p`.
 
     For every p-value of Tables 5 and 6 but CartPole's, which has ties, there is exactly one at 30
     against 30 seeds. So the paper prints two-sided p-values, twice those that its captions name.
@@ -69,7 +69,7 @@ def paper_statistic(p: float, digits: int, seeds: int) -> int | None:
 
 
 def holm(p_values: Sequence[float]) -> Floats:
-    """Holm's adjusted p-values of a family (Holm 1979); NaN is not of the family."""
+    """Return Holm's adjusted p-values of a family (Holm 1979); NaN does not belong to it."""
     p = np.asarray(p_values, dtype=np.float64)
     adjusted = np.full(p.shape, np.nan)
     order = [index for index in np.argsort(p) if not math.isnan(p[index])]
@@ -82,62 +82,65 @@ def holm(p_values: Sequence[float]) -> Floats:
 
 
 def superiority(sample: Floats, against: Floats) -> Floats:
-    """A12: probability that a run of `sample` beats one of `against` (Vargha and Delaney 2000).
+    """Return A12: the probability that a run of `sample` beats one of `against`.
 
-    Ties count half.
+    Ties count half (Vargha and Delaney 2000).
     """
     ours, theirs = sample[..., :, None], against[..., None, :]
     return np.asarray(((ours > theirs) + 0.5 * (ours == theirs)).mean(axis=(-2, -1)))
 
 
 def mean_superiority(*pairs: Floats) -> Floats:
-    """Probability of improvement (Agarwal et al. 2021): mean A12 of pairs, one per task."""
+    """Return the probability of improvement (Agarwal et al. 2021): mean A12, one pair per task."""
     each = [superiority(*pair) for pair in zip(pairs[::2], pairs[1::2], strict=True)]
     return np.asarray(np.mean(each, axis=0))
 
 
 def interquartile_mean(*samples: Floats) -> Floats:
-    """Mean of the middle half of a task's runs (IQM), averaged over the tasks.
+    """Return the mean of the middle half of a task's runs (IQM), averaged over the tasks.
 
     Agarwal et al. (2021) pool the runs of all tasks before they trim. With few tasks of unlike
-    levels that trims whole tasks away: what is left is whichever lie in the middle.
+    levels that trims whole tasks away and leaves only those in the middle.
     """
     return np.asarray(np.mean([stats.trim_mean(each, 0.25, axis=-1) for each in samples], axis=0))
 
 
 def mean_difference(sample: Floats, against: Floats) -> Floats:
-    """Difference of the means."""
+    """Return the difference of the means."""
     return np.asarray(sample.mean(axis=-1) - against.mean(axis=-1))
 
 
 def sd_difference(sample: Floats, against: Floats) -> Floats:
-    """Difference of the standard deviations (n - 1)."""
+    """Return the difference of the standard deviations (n - 1)."""
     return np.asarray(sample.std(axis=-1, ddof=1) - against.std(axis=-1, ddof=1))
 
 
 def median_difference(sample: Floats, against: Floats) -> Floats:
-    """Difference of the medians."""
+    """Return the difference of the medians."""
     return np.asarray(np.median(sample, axis=-1) - np.median(against, axis=-1))
 
 
 def iqr_difference(sample: Floats, against: Floats) -> Floats:
-    """Difference of the interquartile ranges: the boxes of a boxplot."""
+    """Return the difference of the interquartile ranges: the boxes of a boxplot."""
     return np.asarray(stats.iqr(sample, axis=-1) - stats.iqr(against, axis=-1))
 
 
 def outlier_difference(sample: Floats, against: Floats) -> Floats:
-    """Difference of the shares of low outliers: runs below a boxplot's lower whisker."""
+    """Return the difference of the shares of low outliers: runs below a boxplot's lower whisker."""
     return low_outliers(sample) - low_outliers(against)
 
 
 def low_outliers(sample: Floats) -> Floats:
-    """Share of runs more than 1.5 interquartile ranges below the first quartile."""
+    """Return the share of runs more than 1.5 interquartile ranges below the first quartile."""
     first, third = np.quantile(sample, [0.25, 0.75], axis=-1, keepdims=True)
     return np.asarray((sample < first - 1.5 * (third - first)).mean(axis=-1))
 
 
 def performance_profile(thresholds: npt.ArrayLike) -> Effect:
-    """Effect: share of runs above each threshold, tasks weighing the same (Agarwal et al. 2021)."""
+    """Return the effect "share of runs above each threshold", tasks weighing equally.
+
+    This is the performance profile of Agarwal et al. (2021).
+    """
     tau = np.asarray(thresholds, dtype=np.float64)
 
     def shares(*samples: Floats) -> Floats:
@@ -156,7 +159,7 @@ def bootstrap(
     random: np.random.Generator,
     resamples: int = RESAMPLES,
 ) -> Floats:
-    """Effects of resampled runs, float64[resamples, ...]: each sample is a stratum of its own."""
+    """Return effects of resampled runs, float64[resamples, ...]; each sample is its own stratum."""
     drawn = [
         sample[random.integers(len(sample), size=(resamples, len(sample)))] for sample in samples
     ]
@@ -166,11 +169,11 @@ def bootstrap(
 def interval(
     replicates: Floats, seeds: int, confidence: float = 1 - ALPHA
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Expanded percentile interval of replicates, along their first axis (Hesterberg 2015).
+    """Return the expanded percentile interval of replicates, along their first axis.
 
     For few seeds the plain percentile interval is too narrow: by about t sqrt(n / (n - 1)) / z for
-    a mean. Quantiles further out by that factor mend it. `seeds` is n, of the smallest sample; NaN
-    below two.
+    a mean. Quantiles further out by that factor correct it (Hesterberg 2015). `seeds` is n, of the
+    smallest sample; NaN below two.
     """
     if seeds < 2:
         nothing = np.full(replicates.shape[1:], np.nan)
@@ -189,7 +192,7 @@ def estimate(
     confidence: float = 1 - ALPHA,
     resamples: int = RESAMPLES,
 ) -> Estimate:
-    """An effect with its stratified bootstrap interval. All NaN where a sample is empty."""
+    """Return an effect with its stratified bootstrap interval. All NaN where a sample is empty."""
     arrays = [np.asarray(sample, dtype=np.float64) for sample in samples]
     seeds = min(len(array) for array in arrays)
     if not seeds:
@@ -202,7 +205,7 @@ def estimate(
 
 
 def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats, Floats]:
-    """Student's interval of the mean over the last axis; NaN below two values."""
+    """Return Student's interval of the mean over the last axis; NaN below two values."""
     if values.shape[-1] < 2:
         nothing = np.full(values.shape[:-1], np.nan)
         return nothing, nothing
@@ -212,14 +215,14 @@ def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats
 
 
 def mean_difference_error(sample: Floats, against: Floats) -> float:
-    """Standard error of the difference of two means, whose variances may differ."""
+    """Return the standard error of the difference of two means, whose variances may differ."""
     return math.hypot(stats.sem(sample), stats.sem(against))
 
 
 def mean_difference_interval(
     sample: Floats, against: Floats, confidence: float
 ) -> tuple[float, float]:
-    """Welch's interval of the difference of two means (Welch 1947); a point without any spread."""
+    """Return Welch's interval of the difference of two means (1947); a point without any spread."""
     with warnings.catch_warnings(action="ignore"):  # of values that are all equal
         test = stats.ttest_ind(sample, against, equal_var=False)
         low, high = test.confidence_interval(confidence)
@@ -230,7 +233,7 @@ def mean_difference_interval(
 
 
 def seeds_needed(superiority: float, *, alpha: float = ALPHA, power: float = 0.8) -> float:
-    """Seeds per method with which the one-sided rank-sum test finds an effect A12 (Noether 1987).
+    """Return the seeds per method that the one-sided rank-sum test needs for an A12 (Noether 1987).
 
     (z_alpha + z_power)^2 / (6 (A12 - 1/2)^2), rounded up; infinite for no effect, NaN for an
     unknown one. An approximation, best for shifts of moderate size.
@@ -244,9 +247,9 @@ def seeds_needed(superiority: float, *, alpha: float = ALPHA, power: float = 0.8
 
 
 def seeds_for(effect: float, error: float, seeds: int, alpha: float, power: float = 0.8) -> float:
-    """Seeds with which an interval of 1 - alpha excludes 0 this often, for an effect of any kind.
+    """Return the seeds with which an interval of 1 - alpha excludes 0 with probability `power`.
 
-    From its standard error at so many seeds, which shrinks with their square root:
+    This follows from the effect's standard error, which shrinks with the square root of the seeds:
     n ((z_alpha/2 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect, NaN
     without an error to go by.
     """

@@ -44,7 +44,7 @@ def test_printed_numbers_are_enough() -> None:
 
 
 def test_pairs_are_those_of_one_seed() -> None:
-    """In whatever order they come; a seed that one side lacks is left out."""
+    """Runs are paired by seed in any order; a seed that one side lacks is left out."""
     extra = dict(reversed(PARTNER.items())) | {99: 1000.0}
     test = stats.ttest_rel(FIRST, list(PARTNER.values()))
     ours = paired(BY_SEED, extra)
@@ -82,7 +82,7 @@ def test_too_few_runs_give_no_interval(runs: list[float]) -> None:
 
 
 def test_a_difference_may_be_given() -> None:
-    """With 10 degrees of freedom 2.228 standard errors either way."""
+    """The interval is 2.228 standard errors either way, with 10 degrees of freedom."""
     assert Difference(1.0, 2.0, 10).interval() == pytest.approx((1 - 4.456, 1 + 4.456), abs=1e-3)
 
 

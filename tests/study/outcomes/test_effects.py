@@ -1,4 +1,4 @@
-"""What the paper does not show, by hand and on degenerate runs."""
+"""Analyses beyond the paper's, by hand and on degenerate runs."""
 
 import math
 from pathlib import Path
@@ -121,7 +121,7 @@ def test_effects_of_shipped_records_a_second_time() -> None:
 
 
 def test_neat_without_mutation_is_compared_in_its_own_cell(tmp_path: Path) -> None:
-    """It beats NEAT by every outcome, but its tests are of no family; with rules."""
+    """It beats NEAT by every outcome, but its tests belong to no family."""
     values = {Cell(task, "neat_wo", p, None): [9.0] * 3 for task in TASKS for p in (6, 12)}
     table = effects.effect_sizes(collected(tmp_path, values), BUDGET)
     for outcome in ("final fitness", "SCORE", "held-out return"):
@@ -150,7 +150,7 @@ def test_profiles_fall_from_one_to_nothing(tmp_path: Path) -> None:
 
 
 def test_selection_is_what_the_training_maximum_flatters(tmp_path: Path) -> None:
-    """The made-up champions come to 1 less in fresh episodes."""
+    """The made-up champions return 1 less in fresh episodes."""
     table = effects.selection_bias(collected(tmp_path, {}))
     assert set(table["mean"]) == {1.0}
     assert set(table["seeds"]) == {3}
@@ -158,7 +158,7 @@ def test_selection_is_what_the_training_maximum_flatters(tmp_path: Path) -> None
 
 
 def test_a_seed_counts_once_however_many_learning_rates_it_has(tmp_path: Path) -> None:
-    """By seed over the two rates: 0, 3 and 6; SCORE is 12 / 16,000 x (2 x final + 1)."""
+    """Values by seed over the two rates are 0, 3 and 6; SCORE is 12 / 16,000 x (2 x final + 1)."""
     values = {BCM["hopper"]: [0.0, 6.0, 12.0]}
     outcomes = collected(tmp_path, values)
     place = {"metric": "score", "task": "hopper", "method": "bcm", "population": 12}

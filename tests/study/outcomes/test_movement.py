@@ -1,4 +1,4 @@
-"""How far weights move, by hand, and of shipped records a second time."""
+"""Movement of weights, by hand, and of shipped records a second time."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""One row a run, the outcomes by hand, and which cell stands for a method."""
+"""The table of runs, outcomes by hand, and the cell that represents a method."""
 
 from pathlib import Path
 
@@ -36,7 +36,7 @@ def test_the_outcomes_of_a_run_by_hand(tmp_path: Path) -> None:
 
 
 def test_outcomes_are_joined_by_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In whatever order each of them comes."""
+    """The order in which each outcome lists the seeds changes nothing."""
     values = Campaign.values
 
     def reversed_values(self: Campaign, cell: Cell, metric: str) -> dict[int, float]:
@@ -58,7 +58,7 @@ def test_every_run_has_a_row(tmp_path: Path) -> None:
 
 
 def test_the_range_is_that_of_the_cells_compared(tmp_path: Path) -> None:
-    """Cells of one population share their whole runs, whatever else the grid has."""
+    """Cells of one population share their whole runs, independent of the rest of the grid."""
     outcomes = collected(tmp_path, {})
     large = Cell("cartpole", "neat", 12, None)
     assert outcomes.equal_range([OJA, NEAT], "equal_evaluations") == (12, 18)
@@ -68,7 +68,7 @@ def test_the_range_is_that_of_the_cells_compared(tmp_path: Path) -> None:
 
 
 def test_a_mean_at_equal_cost_by_plain_summation(tmp_path: Path) -> None:
-    """A second way: the best so far after every single evaluation, averaged over the range."""
+    """Averages the best so far after every single evaluation of the range: a second way."""
     outcomes = collected(tmp_path, {OJA: [2.0, 4.0, 9.0]})
     small = Cell("cartpole", "oja", 6, 0.25)
     for compared in ([OJA, NEAT], [OJA, small], [OJA]):
@@ -104,7 +104,7 @@ def test_the_chosen_cell_is_the_best_of_its_setting(tmp_path: Path) -> None:
 
 
 def test_tables_and_claims_choose_the_same_cell(tmp_path: Path) -> None:
-    """Equal exact means, of which rounded sums would tell one higher: the smaller rate wins."""
+    """Two means are equal, though rounded sums would put one higher: the smaller rate wins."""
     constants = configuration(seeds=4)
     low, high = (Cell("cartpole", "oja", 6, rate) for rate in (0.0025, 0.25))
     values = {low: [1e16, 1.0, -1e16, 1.0], high: [1.0, 1.0, 0.0, 0.0]}

@@ -18,7 +18,7 @@ PAIRS = [column for pair in zip(OURS.T, THEIRS.T, strict=True) for column in pai
 
 
 def test_interquartile_mean() -> None:
-    """Theirs of each task, averaged: pooled, their own would trim the tasks that lie outside."""
+    """Average theirs over tasks: pooled, it would trim the tasks that lie outside."""
     by_task = [metrics.aggregate_iqm(column[:, None]) for column in OURS.T]
     assert interquartile_mean(*OURS.T) == pytest.approx(np.mean(by_task))
 

@@ -12,7 +12,7 @@ def test_score_by_hand() -> None:
 
 @pytest.mark.parametrize(("population", "printed"), [(50, 0.12), (300, 0.75)])
 def test_score_has_the_papers_scale(population: int, printed: float) -> None:
-    """A.8.2: CartPole at its ceiling comes to 0.12 at P = 50; its bound at P = 300 is 0.75."""
+    """CartPole at its ceiling has 0.12 at P = 50; its bound at P = 300 is 0.75 (A.8.2)."""
     solved = np.full(500, 500.0)
     assert score(solved, population, samples(500, 300)) == pytest.approx(printed, abs=0.006)
 

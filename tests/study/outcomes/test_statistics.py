@@ -55,7 +55,7 @@ def random(seed: int = 0) -> np.random.Generator:
 
 class TestRankSum:
     def test_exact_by_hand(self) -> None:
-        """Of the 20 ways to split six ranks in two halves, one is as extreme on either side."""
+        """Among the 20 ways to split six ranks in two halves, one is as extreme on either side."""
         assert rank_sum([4, 5, 6], [1, 2, 3]) == pytest.approx(2 / 20)
         assert rank_sum([1, 2, 3], [4, 5, 6]) == pytest.approx(2 / 20)
         assert rank_sum([4, 5, 6], [1, 2, 3], "greater") == pytest.approx(1 / 20)
@@ -126,7 +126,7 @@ class TestEffects:
             assert effect(a, b).tolist() == pytest.approx(singly)
 
     def test_interquartile_mean_by_hand(self) -> None:
-        """Of eight runs the middle four."""
+        """The middle four of eight runs."""
         assert interquartile_mean(np.array([99.0, 1, 2, 3]), np.array([4.0, 5, 6, -9])) == 3.5
 
     def test_low_outliers_by_hand(self) -> None:
@@ -246,7 +246,7 @@ class TestPower:
 
 
 class TestByBruteForce:
-    """Everything that could have happened, counted."""
+    """All possible resamples, counted."""
 
     @given(st.lists(st.integers(0, 1000), min_size=7, max_size=7, unique=True))
     def test_rank_sum_is_the_share_of_ways_to_part_the_runs(self, values: list[int]) -> None:
@@ -258,7 +258,7 @@ class TestByBruteForce:
         assert rank_sum(ours, values[3:], "greater") == pytest.approx(np.mean(ways))
 
     def test_bootstrap_draws_each_resample_as_often_as_any_other(self) -> None:
-        """Of two strata, 2^2 x 2^2 resamples."""
+        """Two strata of two runs give 2^2 x 2^2 resamples."""
         a, b = [0.0, 1.0], [0.0, 10.0]
         all_of_them = Counter(
             np.mean(ours) - np.mean(theirs)
