@@ -74,21 +74,34 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
     return Drawing(f"figure{number}", figure, configuration, campaign.sources(shown), table)
 
 
-def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") -> Drawing:
-    configuration, paper_table = campaign.configuration, {"table3": 1, "table4": 7}[setting]
-    methods = SETTINGS[setting].methods(configuration.budget)
+def curves(campaign: Campaign, setting: str) -> pd.DataFrame:
+    """Return the best fitness of each generation of the runs that Figure 2 or 3 shows.
+
+    Columns: task, method, seed, generation, best_fitness. `setting` is "table3" or "table4".
+    """
+    chosen, _ = _chosen(campaign, setting)
+    runs = [campaign.runs(cell).rows.assign(task=cell.task, method=cell.method) for cell in chosen]
+    columns = ["task", "method", "seed", "generation", "best_fitness"]
+    return pd.concat(runs)[columns] if runs else pd.DataFrame(columns=columns)
+
+
+def _chosen(campaign: Campaign, setting: str) -> tuple[list[Cell], dict[tuple[str, str], str]]:
+    """Return the cell of each task and method, and what the choice of some lacked."""
     chosen, incomplete = [], {}
-    for (task, method), among in candidates(configuration, setting).items():
+    for (task, method), among in candidates(campaign.configuration, setting).items():
         here = summarise(campaign, among, setting)
         if here.population is not None:
             chosen.append(Cell(task, method, here.population, here.learning_rate))
         if here.incomplete:
             incomplete[task, method] = here.incomplete
-    curves = [
-        campaign.runs(cell).rows.assign(task=cell.task, method=cell.method) for cell in chosen
-    ]
-    columns = ["task", "method", "seed", "generation", "best_fitness"]
-    table = pd.concat(curves)[columns] if curves else pd.DataFrame(columns=columns)
+    return chosen, incomplete
+
+
+def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") -> Drawing:
+    configuration, paper_table = campaign.configuration, {"table3": 1, "table4": 7}[setting]
+    methods = SETTINGS[setting].methods(configuration.budget)
+    chosen, incomplete = _chosen(campaign, setting)
+    table = curves(campaign, setting)
     figure = convergence(
         table,
         tasks=configuration.budget.tasks,

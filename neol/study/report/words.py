@@ -17,6 +17,7 @@ from neol.study.campaign.variants import BASELINE, variants
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
+from neol.study.tables.table import Table
 
 
 def differences(effects: pd.DataFrame, outcome: str, against: str) -> list[str]:
@@ -31,6 +32,31 @@ def differences(effects: pd.DataFrame, outcome: str, against: str) -> list[str]:
         other = method_label(against)
         said = "; ".join(f"{', '.join(some)} {side} {other}" for side, some in sides.items())
         sentences.append(f"{task_label(str(task))}: {said}.")
+    return sentences
+
+
+def differences_from_neat(table: Table) -> list[str]:
+    """Say the same of Table 5 or 6, whose rows compare each rule with NEAT."""
+    return differences(table.frame.assign(outcome=table.name, against="neat"), table.name, "neat")
+
+
+def best_cells(cells_of_figure: pd.DataFrame) -> list[str]:
+    """Say for each method of a heat map which cell is best, and whether others are as good.
+
+    The frame has a row for each cell: see `neol.study.figures.plots.heatmaps`.
+    """
+    sentences = []
+    known = cells_of_figure.dropna(subset="mean")
+    for method, here in known.groupby("method", sort=False):
+        best = here.sort_values("mean").iloc[-1]
+        rate = best["learning_rate"]
+        place = f"P = {best['population']}" + ("" if pd.isna(rate) else f", eta = {rate:g}")
+        near = int(here["near_best"].sum()) - 1
+        others = f"{near} of {len(here) - 1} other cells are" if near != 1 else "one other cell is"
+        sentences.append(
+            f"{method_label(str(method))}: {place} is best ({three_figures(best['mean'])}); "
+            f"{others} not distinguishable from it."
+        )
     return sentences
 
 

@@ -122,6 +122,9 @@ EXHIBITS = (
     Exhibit("beyond_effects", BEYOND, "beyond", reads=GRID,
         caption="Effect sizes: the difference of means between each method and NEAT, and NEAT "
         "(w/o), with intervals, beside the paper's."),
+    Exhibit("beyond_curves", BEYOND, "convergence", reads="table3",
+        caption="Differences over generations: the best fitness of each rule minus NEAT's, with "
+        "intervals of the difference."),
     Exhibit("beyond_aggregates", BEYOND, "beyond", reads=GRID,
         caption="Aggregates: interquartile means of the tasks, and of several their mean, with "
         "stratified bootstrap intervals."),

@@ -97,3 +97,16 @@ def test_constants_that_matter_are_named() -> None:
     ]
     nothing = pd.DataFrame(rows[5:], columns=columns)
     assert words.sensitive_constants(nothing) == ["No run of the sensitivity study exists yet."]
+
+
+def test_the_best_cells_of_a_heat_map_are_named() -> None:
+    columns = ["method", "population", "learning_rate", "mean", "near_best"]
+    rows = [
+        ("hebb", 50, 0.25, 1.0, False), ("hebb", 100, 0.25, 3.0, True),
+        ("hebb", 100, 0.025, 2.0, True), ("neat", 50, math.nan, 1.0, True),
+        ("oja", 50, 0.25, math.nan, False),
+    ]  # fmt: skip
+    assert words.best_cells(pd.DataFrame(rows, columns=columns)) == [
+        "Hebb: P = 100, eta = 0.25 is best (3.00); one other cell is not distinguishable from it.",
+        "NEAT: P = 50 is best (1.00); 0 of 0 other cells are not distinguishable from it.",
+    ]
