@@ -1,7 +1,7 @@
-"""The paper's printed numbers beside ours, and where both cannot be of one distribution.
+"""The paper's printed numbers beside ours, with tests of whether both have one distribution.
 
-A mean is compared by Welch's interval, a standard deviation by F; the paper's side is what it
-prints, of its 30 seeds. The tests of a table are corrected for their number (Holm).
+Means are compared by Welch's interval, standard deviations by F; the paper's side is what it prints
+for its 30 seeds. The tests of a table are corrected for their number (Holm).
 """
 
 import math
@@ -28,44 +28,44 @@ COLUMNS = (
     "Paper",
     "Here - paper [95%]",
     "SD here / paper [95%]",
-    "Not of one distribution",
+    "Differs",
 )
 
 
 def numbers1(campaign: Campaign) -> Table:
-    """Table 1's numbers."""
+    """Compare Table 1's numbers."""
     return _agreement(
         1, campaign, "table3", SETTINGS["table3"].methods(campaign.configuration.budget)
     )
 
 
 def numbers2(campaign: Campaign) -> Table:
-    """Table 2's numbers."""
+    """Compare Table 2's numbers."""
     return _agreement(2, campaign, "score", (*challengers(campaign.configuration.budget), "neat"))
 
 
 def numbers7(campaign: Campaign) -> Table:
-    """Table 7's numbers."""
+    """Compare Table 7's numbers."""
     return _agreement(
         7, campaign, "table4", SETTINGS["table4"].methods(campaign.configuration.budget)
     )
 
 
 def numbers8(campaign: Campaign) -> Table:
-    """Table 8's numbers."""
+    """Compare Table 8's numbers."""
     return _agreement(
         8, campaign, "score", (*challengers(campaign.configuration.budget), "neat_wo")
     )
 
 
 def differing(table: Table) -> str:
-    """Which of a table's numbers cannot be of one distribution with the paper's, in a sentence."""
+    """Say how many of a table's numbers differ significantly from the paper's."""
     frame = table.frame
     compared = int(frame[["p_mean", "p_sd"]].notna().sum().sum())
-    apart = {what: frame["differs"].str.contains(what).sum() for what in ("mean", "SD")}
+    differ = {what: frame["differs"].str.contains(what).sum() for what in ("mean", "SD")}
     return (
-        f"Of {compared} numbers {apart['mean']} means and {apart['SD']} standard deviations "
-        "cannot be of one distribution with the paper's."
+        f"Of {compared} numbers, {differ['mean']} means and {differ['SD']} standard deviations "
+        "differ significantly from the paper's, after Holm's correction."
     )
 
 
@@ -108,8 +108,8 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
         caption=(
             f"The numbers of the paper's Table {number} ({outcome}) beside ours: the "
             "difference of means with Welch's interval, and the ratio of standard deviations with "
-            "that of F, which takes outcomes to be normal. The last column says what differs at "
-            f"{ALPHA} after Holm's correction over this table. "
+            "an F interval, which assumes normal outcomes. The last column names what differs at "
+            f"level {ALPHA} after Holm's correction over this table. "
             f"{describe_budget(campaign.configuration)}"
         ),
         columns=COLUMNS,
@@ -122,7 +122,7 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
 
 
 def _row(each: OursAndPapers) -> dict[str, object]:
-    """A method on a task: both sides' numbers and what lies between them."""
+    """Return the row of a method on a task: both sides' numbers and how they differ."""
     here = Moments(each.here.seeds, each.here.mean, each.here.sd)
     paper = Moments(PAPER_SEEDS, each.paper.mean, each.paper.sd)
     gap, ratio = difference(here, paper), sd_ratio(here, paper)

@@ -1,4 +1,4 @@
-"""How the paper's tables print a value, and mark one that is incomplete."""
+"""Formats of values in the paper's tables, and marks of incomplete ones."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,7 +14,7 @@ NOTHING = "--"
 
 
 def marks(reasons: Iterable[str]) -> dict[str, str]:
-    """A letter for each reason why a value is incomplete: (a) to (z), then (aa) and so on."""
+    """Return a letter for each reason why a value is incomplete: (a) to (z), then (aa) onwards."""
     distinct = dict.fromkeys(reason for reason in reasons if reason)
     letters = len(ascii_lowercase)
     return {
@@ -24,7 +24,7 @@ def marks(reasons: Iterable[str]) -> dict[str, str]:
 
 
 def marked(entry: Entry, mark: str | None, *, near_control: bool = False) -> Entry:
-    """The entry with marks behind it: of a cell near control, and another one if there is one."""
+    """Return the entry followed by its marks: of a cell near control, and `mark` if given."""
     text = f"{entry.text}{NEAR_CONTROL_MARK * near_control}"
     return Entry(f"{text} {mark}" if mark else text, entry.emphasis)
 
@@ -40,7 +40,7 @@ def lines_of(
 
 
 def fitness(summary: Summary) -> Entry:
-    """324.34 ± 3.86, as Table 1 prints it."""
+    """Format mean and deviation as Table 1 does: 324.34 ± 3.86."""
     return _mean_sd(summary, lambda value: f"{value:.2f}")
 
 
@@ -50,7 +50,7 @@ def held_out(summary: OwnSummary) -> Entry:
 
 
 def score(summary: Summary) -> Entry:
-    """0.451 ± 0.0122: three significant figures, as in Table 2."""
+    """Format SCORE with three significant figures, as Table 2 does: 0.451 ± 0.0122."""
     return _mean_sd(summary, three_figures)
 
 
@@ -62,7 +62,7 @@ def _mean_sd(summary: Summary, number: Callable[[float], str]) -> Entry:
 
 
 def setting(summary: Summary) -> Entry:
-    """pop=300, lr=0.25, as Table 3 prints it."""
+    """Format a configuration as Table 3 does: pop=300, lr=0.25."""
     if summary.population is None:
         return Entry(NOTHING)
     rate = "" if summary.learning_rate is None else f", lr={summary.learning_rate:g}"
@@ -70,7 +70,7 @@ def setting(summary: Summary) -> Entry:
 
 
 def p_value(p: float, decimals: int) -> Entry:
-    """1.20e-8, bold below 0.05."""
+    """Format a p-value, bold below 0.05: 1.20e-8."""
     if math.isnan(p):
         return Entry(NOTHING)
     digits, exponent = f"{p:.{decimals}e}".split("e")

@@ -24,19 +24,19 @@ from neol.study.tables.summary import OursAndPapers, OwnSummary, Summary, compar
 from neol.study.tables.table import Entry, Line, Table
 
 CHOSEN_OF_FOUR = 0.075
-"""How often the best of four cells seems higher than an equal fifth one, of 30 seeds each.
+"""Share of simulations in which the best of four cells tests higher than an equal fifth one.
 
-Simulated: the two-sided rank-sum test at `ALPHA`, which without the choice does so in 2.5%.
+Each cell has 30 seeds; the two-sided rank-sum test at `ALPHA` finds 2.5% without the choice.
 """
 _RANKED = (
-    "beneath each value the paper's own. Bold marks a row's highest mean, underline the runner-up; "
+    "the paper's value is beneath each. Bold marks a row's highest mean, underline the runner-up; "
     "equal means are marked alike, and a shared first place leaves no runner-up."
 )
 _ABLATION = " NEAT (w/o) is NEAT without weight mutation."
 _CHOICE = (
-    "beneath each the paper's own. Where the budget's grid has the paper's, it is taken; otherwise "
+    "the paper's own beneath each. The paper's is taken if the budget's grid has it; otherwise "
     "the cell of the grid with the highest mean of the best final-generation fitness over seeds "
-    "(of equal means the smaller population, then the smaller rate)."
+    "(ties: the smaller population, then the smaller rate)."
 )
 
 # --- Means --------------------------------------------------------------------------------------
@@ -75,9 +75,8 @@ def table4(campaign: Campaign) -> Table:
 def _best_fitness(number: int, campaign: Campaign, setting: str, remark: str = "") -> Table:
     title = (
         f"Best final-generation fitness, mean ± SD over seeds (n - 1 in its denominator); {_RANKED}"
-        f"{remark} Final fitness is a maximum over noisy episodes; what the champions return in "
-        "fresh episodes, on average, is given too. The configurations are those of Table "
-        f"{SETTINGS[setting].paper_table}."
+        f"{remark} Final fitness is a maximum over noisy episodes, so champions' mean return in "
+        f"fresh episodes is given too. Configurations: Table {SETTINGS[setting].paper_table}."
     )
     methods = SETTINGS[setting].methods(campaign.configuration.budget)
     return _means(number, title, formats.fitness, campaign, setting, methods, number, fresh=True)
@@ -101,7 +100,7 @@ def _configurations(number: int, campaign: Campaign, setting: str, behind: int) 
 
 
 def lead_over_neat(table: Table) -> pd.DataFrame:
-    """How far each rule's mean is above NEAT's, here and in the paper: a row for each task."""
+    """Return each rule's mean minus NEAT's, here and in the paper: a row for each task."""
     columns = {}
     for method in [method for method in table.frame["method"].unique() if method != "neat"]:
         for place, mean in (("here", "mean"), ("paper", "paper_mean")):
@@ -129,9 +128,9 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
     rules = challengers(budget)
     frame = _tests(number, campaign, setting, rules)
     title = (
-        f"Two-sided Wilcoxon rank-sum test of {outcome}, each rule against NEAT: p-values, beneath "
-        f"each the paper's own, which are two-sided too. Bold: below {ALPHA}, whichever side is "
-        f"higher. They are not corrected for their number. {WHY_THEY_DIFFER} It is in "
+        f"Two-sided Wilcoxon rank-sum test of {outcome}, each rule against NEAT: p-values, with "
+        f"the paper's beneath, which are two-sided too. Bold: below {ALPHA}, in either direction. "
+        f"The p-values are not corrected for their number. {WHY_THEY_DIFFER} The difference is in "
         f"table{number}.csv and, with Holm's correction, in beyond_effects.csv."
     )
     marks = formats.marks(frame["incomplete"])
@@ -149,7 +148,7 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
 
 
 def _tests(number: int, campaign: Campaign, setting: str, rules: Sequence[str]) -> pd.DataFrame:
-    """A row for each task and rule: its test against NEAT, here and in the paper."""
+    """Return the test of each rule against NEAT on each task, here and in the paper, one a row."""
     means = {
         (each.task, each.method): each.here
         for each in compare(campaign, setting, number, (*rules, "neat"))
@@ -185,7 +184,7 @@ def _tests(number: int, campaign: Campaign, setting: str, rules: Sequence[str]) 
 def _sample(
     campaign: Campaign, task: str, method: str, here: OwnSummary, setting: str
 ) -> dict[int, float]:
-    """The outcomes of the cell that a summary is of, by seed; none where there is no such cell."""
+    """Return the outcomes by seed of the cell that a summary describes; empty without a cell."""
     if here.population is None:
         return {}
     cell = Cell(task, method, here.population, here.learning_rate)
@@ -206,9 +205,9 @@ def _means(
     *,
     fresh: bool = False,
 ) -> Table:
-    """A table whose entries are printed by `entry`; table `values` has the paper's means.
+    """Return a table whose entries `entry` formats; the paper's table `values` has its means.
 
-    With `fresh`, what champions return in fresh episodes stands beneath.
+    With `fresh`, the champions' mean return in fresh episodes is beneath each value.
     """
     comparisons = compare(campaign, setting, values, methods)
     marks = formats.marks(each.here.incomplete for each in comparisons)
@@ -274,7 +273,7 @@ def _table(
 
 
 def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
-    """That a rule was chosen among more cells than NEAT, by the runs that are shown and tested."""
+    """Note that a rule was chosen among more cells than NEAT, by the runs that are tested."""
     rules, neat = (
         max((len(among) for (_, method), among in shown.items() if method in some), default=0)
         for some in ({method for _, method in shown} - set(WITHOUT_RULE), WITHOUT_RULE)
@@ -282,10 +281,10 @@ def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
     if rules <= neat:
         return []
     return [
-        f"A rule's cell is the best of up to {rules}, NEAT's of {neat}, chosen by the same seeds "
-        "that are shown and tested: that alone lifts its mean and lowers its p-value. In a "
-        "simulation of equal methods (normal outcomes, 30 seeds, the best of 4 cells against 1) "
-        f"the test at {ALPHA} finds the rule higher in {CHOSEN_OF_FOUR:.1%} of cases instead of "
+        f"Selection favours the rules: a rule's cell is the best of up to {rules}, NEAT's the best "
+        f"of {neat}, chosen by the same seeds that are shown and tested. In a simulation of equal "
+        "methods (normal outcomes, 30 seeds, the best of 4 cells against 1) the test at "
+        f"{ALPHA} finds the rule higher in {CHOSEN_OF_FOUR:.1%} of cases instead of "
         f"{ALPHA / 2:.1%}."
     ]
 

@@ -1,4 +1,4 @@
-"""What methods come to on each task: mean and deviation over seeds, ranked, beside the paper's."""
+"""Mean and deviation of each method on each task, ranked, beside the paper's."""
 
 import math
 import statistics
@@ -22,21 +22,21 @@ class Summary:
     mean: float = math.nan
     sd: float = math.nan
     rank: Emphasis = ""
-    """Among the methods on the task."""
+    """Rank of the mean among the methods on the task."""
 
 
 @dataclass(frozen=True, slots=True)
 class OwnSummary(Summary):
-    """The same, from records."""
+    """A summary of our runs, from records."""
 
     chosen: str = ""
     """ "Table 3" or "Table 4" for the paper's own cell, "grid" for the best of the grid."""
     seeds: int = 0
-    """How many there are."""
+    """Number of seeds."""
     incomplete: str = ""
-    """What is missing; such a value is not ranked."""
+    """A note of what is missing; such a value is not ranked."""
     near_control: bool = False
-    """Whether the cell's rule moves next to nothing."""
+    """Whether the cell's rule hardly moves a weight."""
     held_out: float = math.nan
     """Mean over seeds of the champion's mean return in fresh episodes; NaN without any."""
 
@@ -54,9 +54,10 @@ class OursAndPapers:
 def compare(
     campaign: Campaign, setting: str, table: int, methods: Sequence[str]
 ) -> list[OursAndPapers]:
-    """The content of a table of means: each of the budget's tasks with each method.
+    """Return the content of a table of means: each method on each of the budget's tasks.
 
-    The setting chooses the cells and what is averaged; `table` has the paper's values.
+    The setting decides which cells are chosen and which outcome is averaged; `table` is the number
+    of the paper's table.
     """
     chosen_among = candidates(campaign.configuration, setting)
     comparisons = []
@@ -76,7 +77,7 @@ def compare(
 
 
 def best_fitness(campaign: Campaign) -> list[OursAndPapers]:
-    """The content of Table 1 (and of Table 3)."""
+    """Return the content of Table 1 (and of Table 3)."""
     return compare(
         campaign,
         "table3",
@@ -86,9 +87,9 @@ def best_fitness(campaign: Campaign) -> list[OursAndPapers]:
 
 
 def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSummary:
-    """The best of the cells: the highest mean, among those that have all their seeds.
+    """Summarise the cell with the highest mean, among those that have all their seeds.
 
-    Of a single cell the mean is taken over the seeds that there are, and `incomplete` says so.
+    A single cell is summarised over the seeds that it has, and `incomplete` names missing ones.
     """
     if not cells:
         return OwnSummary(incomplete="not in this budget")
@@ -121,7 +122,7 @@ def summarise(campaign: Campaign, cells: Sequence[Cell], setting: str) -> OwnSum
 
 
 def mean_sd(values: Sequence[float]) -> tuple[float, float]:
-    """Mean and sample standard deviation (n - 1 in the denominator), whatever the values' order.
+    """Return mean and sample standard deviation (n - 1), independent of the values' order.
 
     NaN for the mean of nothing and for the deviation of fewer than two values.
     """
@@ -130,7 +131,7 @@ def mean_sd(values: Sequence[float]) -> tuple[float, float]:
 
 
 def ranks(means: Sequence[float]) -> list[Emphasis]:
-    """The rank of each mean in a table's row; NaN is not ranked.
+    """Return the rank of each mean in a table's row; NaN is not ranked.
 
     Means are compared at full precision. All that equal the highest are best, all that equal the
     next one runners-up; but a shared first place leaves no second, as in the paper's CartPole row.
@@ -141,7 +142,7 @@ def ranks(means: Sequence[float]) -> list[Emphasis]:
 
 
 def _paper_summary(task: str, method: str, setting: str, table: int) -> Summary:
-    """What the paper's tables print, nothing for a task that they do not have."""
+    """Return what the paper prints of a method; an empty summary for a task that it lacks."""
     mean, sd = paper_numbers.values(table).get((task, method), (math.nan, None))
     settings = SETTINGS[setting].paper_table
     printed = {} if settings is None else paper_numbers.settings(settings)

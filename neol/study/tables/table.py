@@ -29,7 +29,7 @@ class Line(NamedTuple):
     label: str
     entries: tuple[Entry, ...]
     is_beneath: bool
-    """Printed small, beneath the line that it belongs to: the paper's values, say."""
+    """Whether the line is printed small, beneath its main line, as the paper's values are."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,14 +39,14 @@ class Table:
     name: str
     """The stem of its files: table1."""
     number: str
-    """That it has in print: 1, as in the paper; 1a for what the paper has not."""
+    """Number in print: 1, as in the paper; 1a for a table that the paper does not have."""
     caption: str
     columns: tuple[str, ...]
     lines: tuple[Line, ...]
     notes: tuple[str, ...]
-    """What is incomplete, each beginning with its mark, and what the paper's numbers contradict."""
+    """Notes on incomplete values, each after its mark, and on contradictions of the paper."""
     frame: pd.DataFrame
-    """A row for each task and method, at full precision; the paper's have `paper_` in front."""
+    """A row for each task and method, at full precision; `paper_` marks the paper's columns."""
     configuration: Configuration
     sources: tuple[Source, ...]
     """The records behind it."""
@@ -66,11 +66,11 @@ class Table:
         write_sidecar([path, csv, page], self.configuration, self.sources)
 
     def csv(self) -> bytes:
-        """`frame`, as its file holds it."""
+        """Return `frame` as its CSV file holds it."""
         return self.frame.to_csv(index=False).encode()
 
     def latex(self) -> str:
-        """A table for \\input, numbered as in the paper; it needs the package booktabs."""
+        """Return LaTeX for \\input, numbered as in the paper; it needs the package booktabs."""
         return "\n".join(
             [
                 "\\begin{table}[tbp]",
@@ -133,7 +133,7 @@ def _html_line(line: Line) -> str:
 
 
 def latex_entry(entry: Entry) -> str:
-    """A value with its emphasis."""
+    """Return a value in LaTeX with its emphasis."""
     commands = {"best": "\\textbf{%s}", "runner-up": "\\underline{%s}", "": "%s"}
     return commands[entry.emphasis] % escape(entry.text)
 

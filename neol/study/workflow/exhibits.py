@@ -94,7 +94,7 @@ EXHIBITS = (
         caption="Table 8: the ablation, SCORE against NEAT without weight mutation."),
     Exhibit("numbers1", NUMBERS, "agreement", reads="table3",
         caption="Table 1's numbers here and in the paper: differences with intervals, and which "
-        "cannot be of one distribution."),
+        "are significant."),
     Exhibit("numbers2", NUMBERS, "agreement", reads="score",
         caption="Table 2's numbers here and in the paper."),
     Exhibit("numbers7", NUMBERS, "agreement", reads="table4",
@@ -117,7 +117,7 @@ EXHIBITS = (
     heatmap("figure11", "bipedal_walker", "mean SCORE"),
     Exhibit("claims", CLAIMS, "claims", reads=LEDGER,
         files=("paper/*.yaml", "paper/plan.md", "paper/frozen.txt"),
-        caption="Claims: the questions that the paper's claims come down to, each with its "
+        caption="Claims: the questions that the paper's claims raise, each with its "
         "verdict, effect and interval."),
     Exhibit("beyond_effects", BEYOND, "beyond", reads=GRID,
         caption="Effect sizes: the difference of means between each method and NEAT, and NEAT "

@@ -1,4 +1,4 @@
-"""How values are printed."""
+"""Formats of printed values."""
 
 import math
 

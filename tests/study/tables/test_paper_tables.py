@@ -1,4 +1,4 @@
-"""What the tables print, and the files that they leave."""
+"""Printed entries of the tables, and the files that they write."""
 
 import csv
 import hashlib
@@ -233,7 +233,7 @@ class TestOtherTables:
         assert table.frame["paper_a12"].tolist() == [663 / 900, 579 / 900, 615 / 900]
 
     def test_table_6_tests_score(self, campaign: Campaign) -> None:
-        """At population 12, where NEAT is one of the others."""
+        """NEAT is one of the others at population 12."""
         assert table6(campaign).frame.set_index("method").loc["oja", "a12"] == 1
 
     def test_the_lead_over_neat(self, campaign: Campaign) -> None:
