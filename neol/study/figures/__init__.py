@@ -1,1 +1,1 @@
-"""The paper's figures and those beyond it."""
+"""The paper's figures, and figures beyond the paper's."""

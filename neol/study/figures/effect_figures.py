@@ -1,4 +1,4 @@
-"""Pictures of the tables of `effects` and `sensitivity`: what the paper does not show."""
+"""Figures beyond the paper's: pictures of the tables of `effects` and `sensitivity`."""
 
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
@@ -22,10 +22,10 @@ from neol.study.outcomes.movement import NEAR_CONTROL, NEAR_CONTROL_WORDS
 from neol.study.outcomes.outcomes import EQUAL
 
 GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
-"""Behind words that lines run through."""
+"""Background of words that lines run through."""
 NO_LINE = (
-    "A mark without a line: all runs tie, or all of one side are higher, and so are all resamples; "
-    "that does not make it certain."
+    "A mark without a line: all runs tie, or all of one side are higher, so every resample agrees; "
+    "this is not certainty."
 )
 EFFICIENCY_ROWS = {
     ("score", "population"): "SCORE",
@@ -35,11 +35,11 @@ EFFICIENCY_ROWS = {
     ("equal_evaluations", "populations"): "Best return so far,\nevaluations equal\nin all sizes",
     ("equal_steps", "populations"): "Best return so far,\nsteps equal\nin all sizes",
 }
-"""Metric and range, as `outcomes.effects.efficiency` has them."""
+"""Labels of rows by metric and range, which are those of `outcomes.effects.efficiency`."""
 
 
 def draw_effect_sizes(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """The difference of means of each method with its interval; a cross is the paper's.
+    """Draw each method's difference of means with its interval; a cross is the paper's.
 
     A row of panels for each comparison, a column for each task. Hollow marks are near control.
     """
@@ -68,8 +68,8 @@ def draw_effect_sizes(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
                 textcoords="offset points", ha="center", va="bottom",
             )  # fmt: skip
         lines = [
-            f"{note} Lines: Welch's 95% intervals of the difference of means; grey crosses: the "
-            f"difference of the means that the paper prints, at an arrow where it lies outside. "
+            f"{note} Lines: Welch's 95% intervals of the difference of means. Grey crosses: the "
+            f"difference of the paper's printed means, or an arrow if it lies outside the panel. "
             f"Numbers: A12. {WHY_THEY_DIFFER}"
         ]
         if table["near_control"].eq(True).any():
@@ -81,7 +81,7 @@ def draw_effect_sizes(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
 def _differences(
     axis: Axes, table: pd.DataFrame, methods: Sequence[str], looks: Mapping[str, Style]
 ) -> None:
-    """Differences of means with their intervals, one below the other, and A12 beside them."""
+    """Draw differences of means with their intervals, one below the other, and print A12."""
     axis.axvline(0, color=GREY, linewidth=0.7)
     limits = np.nan_to_num(table[["low", "high", "difference"]].to_numpy(dtype=float).ravel())
     reach = 1.12 * float(np.abs(limits).max(initial=0.0)) or 1.0
@@ -111,7 +111,7 @@ def _differences(
 
 
 def draw_profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """Performance profiles over all tasks."""
+    """Draw performance profiles over all tasks."""
     looks = _looks(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.9))
@@ -141,7 +141,7 @@ def draw_profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
 
 
 def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """Interquartile means of each task, and their mean where there are several."""
+    """Draw interquartile means of each task, and the mean of several tasks."""
     looks, methods = _looks(table, budget), list(_looks(table, budget))
     tasks = list(dict.fromkeys(table["task"]))
     with drawing():
@@ -158,7 +158,9 @@ def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
             "Interquartile mean of the final best fitness / Gymnasium's reward threshold"
         )
         _legend(figure, looks)
-        explanation = "Lines: 95% intervals (stratified bootstrap), some within their mark."
+        explanation = (
+            "Lines: 95% intervals (stratified bootstrap); some are shorter than their mark."
+        )
         if "all" in tasks:
             explanation += " All tasks: the mean of the tasks' own interquartile means."
         footer(figure, f"{note} {explanation}{_no_threshold(budget)}")
@@ -166,7 +168,7 @@ def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
 
 
 def draw_efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """SCORE beside the best-so-far fitness at equal cost, over the population size."""
+    """Draw SCORE and the best-so-far fitness at equal cost, by population size."""
     looks = _looks(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 8.6))
@@ -183,15 +185,15 @@ def draw_efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
         _legend(figure, looks)
         explanation = (
             "Means over learning rates, then seeds, with 95% intervals. Equal within a size: over "
-            "the range that all runs of a population size have, so compare methods, not sizes; "
-            "equal in all sizes: "
+            "the range that all runs of one population size share, so compare methods, not sizes. "
+            "Equal in all sizes: "
         )
         footer(figure, f"{note} {explanation}{'; '.join(_ranges(table, budget))}.")
     return figure
 
 
 def draw_selection_bias(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """Final best fitness minus the champion's mean return in fresh episodes."""
+    """Draw final best fitness minus the champion's mean return in fresh episodes."""
     looks = _looks(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.5))
@@ -212,7 +214,7 @@ def draw_selection_bias(table: pd.DataFrame, budget: Budget, note: str) -> Figur
 
 
 def draw_learning(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
-    """What switching plasticity off changes in each cell, over how far its weights move."""
+    """Draw the effect of switching plasticity off in each cell, by how far its weights move."""
     looks = _looks(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.7))
@@ -239,16 +241,16 @@ def draw_learning(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
         _legend(figure, looks)
         footer(
             figure,
-            f"{note} A mark for each population and learning rate: means over champions with 95% "
-            f"intervals, below 0 where plasticity helps. Grey, hollow: {NEAR_CONTROL_WORDS}.",
+            f"{note} One mark for each population and learning rate: means over champions with 95% "
+            f"intervals, below 0 where plasticity helps. Grey or hollow: {NEAR_CONTROL_WORDS}.",
         )
     return figure
 
 
 def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str) -> Figure:
-    """How often a variant beats the baseline's run of a seed, with interval; a column for a task.
+    """Draw how often a variant's run beats the baseline's of the same seed, a column for each task.
 
-    A trial that lacks some of its `seeds`, or pairs with the baseline, says how many it has.
+    A trial that lacks some of its `seeds`, or of its pairs with the baseline, states its number.
     """
     looks = _looks(table, budget)
     names = [name for name in dict.fromkeys(table["variant"]) if name != BASELINE]
@@ -286,7 +288,7 @@ def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str)
 
 
 def _by_population(axis: Axes, table: pd.DataFrame, looks: Mapping[str, Style]) -> None:
-    """A method's mean over the population size, with intervals; methods side by side."""
+    """Draw each method's mean by population size, with intervals; methods are side by side."""
     if table["mean"].isna().all():
         axis.text(0.5, 0.5, "no common range", transform=axis.transAxes, ha="center", color=GREY)
         axis.yaxis.set_major_locator(NullLocator())
@@ -310,7 +312,7 @@ def _by_population(axis: Axes, table: pd.DataFrame, looks: Mapping[str, Style]) 
 
 
 def _ranges(table: pd.DataFrame, budget: Budget) -> Iterable[str]:
-    """Between which evaluations and steps all population sizes are compared, by task."""
+    """Say for each task over which evaluations and steps all population sizes are compared."""
     for task in budget.tasks:
         ranges = []
         for metric, column in EQUAL.items():
@@ -327,13 +329,13 @@ def _ranges(table: pd.DataFrame, budget: Budget) -> Iterable[str]:
 
 
 def _no_threshold(budget: Budget) -> str:
-    """Which tasks cannot be put together with others."""
+    """Say which tasks have no threshold and are therefore left out."""
     without = [task_label(task) for task in budget.tasks if task not in thresholds()]
-    return f" Left out, having no threshold: {', '.join(without)}." if without else ""
+    return f" Left out (no reward threshold): {', '.join(without)}." if without else ""
 
 
 def _from_0_to_1(axis: Axes, title: str) -> None:
-    """An axis of shares, with its middle marked."""
+    """Set an axis to shares from 0 to 1, with its middle marked."""
     axis.axvline(0.5, color=GREY, linewidth=0.7)
     axis.set_title(title)
     axis.set_xlim(-0.04, 1.04)
@@ -342,13 +344,13 @@ def _from_0_to_1(axis: Axes, title: str) -> None:
 
 
 def _below(axes: Sequence[Axes], label: str) -> None:
-    """One label for a row of axes, in its middle."""
+    """Put one label below the middle of a row of axes."""
     even = len(axes) % 2 == 0
     axes[len(axes) // 2].set_xlabel(label, x=-0.02 if even else 0.5)
 
 
 def _legend(figure: Figure, looks: Mapping[str, Style]) -> None:
-    """A figure's methods."""
+    """Add a legend of the methods."""
     handles = [
         Line2D([], [], color=style.colour, linestyle=style.line, marker=style.marker)
         for style in looks.values()
@@ -358,7 +360,7 @@ def _legend(figure: Figure, looks: Mapping[str, Style]) -> None:
 
 
 def _looks(table: pd.DataFrame, budget: Budget) -> dict[str, Style]:
-    """How the methods that a table has are drawn, in the order of every figure."""
+    """Return the styles of a table's methods, in the order that all figures share."""
     there = set(table["method"])
     looks = styles(shown_methods(budget))
     return {method: style for method, style in looks.items() if method in there}

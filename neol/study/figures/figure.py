@@ -1,4 +1,4 @@
-"""A drawn figure and what it was made from."""
+"""A drawn figure and its sources."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,13 +18,13 @@ class Drawing:
     """A figure with its name and sources. A notebook shows it as a picture."""
 
     name: str
-    """figure2: the stem of its files."""
+    """Stem of its files: figure2."""
     figure: Figure
     configuration: Configuration
     sources: tuple[Source, ...]
     """The records behind it."""
     frame: pd.DataFrame | None = None
-    """What it shows, where no table does."""
+    """Numbers that it shows, if no table holds them."""
 
     def write(self, folder: Path) -> None:
         """Write name.pdf, name.png, name.json (where it comes from) and, with a frame, name.csv."""

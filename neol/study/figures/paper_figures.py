@@ -28,7 +28,7 @@ HEATMAPS = {
 }
 """The paper's Figures 4 to 11: task and outcome of each."""
 _GROWS = (
-    "SCORE grows with the population by construction (falls, where fitness is below 0), so compare "
+    "SCORE grows with the population by construction (it falls if fitness is below 0), so compare "
     "cells of one population size."
 )
 
@@ -39,13 +39,13 @@ def figure2(campaign: Campaign) -> Drawing:
 
 
 def figure3(campaign: Campaign) -> Drawing:
-    """Figure 3: the same against NEAT without weight mutation, in the cells of Table 4."""
-    colours = "NEAT (w/o) is purple, in the paper red as NEAT is."
+    """Figure 3: as Figure 2, against NEAT without weight mutation, in the cells of Table 4."""
+    colours = "NEAT (w/o) is purple; in the paper it is red, as NEAT is."
     return _convergence("figure3", campaign, "table4", colours)
 
 
 def heatmaps_of(budget: Budget) -> list[int]:
-    """The numbers of the heat maps whose tasks a budget has."""
+    """Return the numbers of the heat maps whose tasks a budget has."""
     return [number for number, (task, _) in HEATMAPS.items() if task in budget.tasks]
 
 
@@ -121,7 +121,7 @@ def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") 
 
 
 def _levels(task: str, paper_table: int) -> dict[str, tuple[float, float]]:
-    """What a task's final values are seen beside: Gymnasium's threshold, and the paper's means."""
+    """Return reference levels of a task's final values: threshold and the paper's means."""
     levels = {}
     if task in thresholds():
         levels["threshold"] = (thresholds()[task], thresholds()[task])
@@ -132,10 +132,10 @@ def _levels(task: str, paper_table: int) -> dict[str, tuple[float, float]]:
 
 
 def _drawn_curves(curves: pd.DataFrame) -> pd.DataFrame:
-    """What the lines and boxes show: a row for each generation of a method, and each final value.
+    """Return the numbers that lines and boxes show: a row for each line point and final value.
 
-    `shown` says which. A line's value is a mean over `seeds`, with Student's interval `low` to
-    `high`; it goes as far as all seeds do.
+    `shown` says which of them a row is. A line's value is a mean over `seeds`, with Student's
+    interval `low` to `high`; it goes as far as all seeds do.
     """
     rows: list[tuple[object, ...]] = []
     for (task, method), some in curves.groupby(["task", "method"], sort=False):
@@ -160,9 +160,9 @@ def _drawn_curves(curves: pd.DataFrame) -> pd.DataFrame:
 
 
 def _cells(campaign: Campaign, shown: Sequence[Cell], metric: str) -> pd.DataFrame:
-    """A row for each cell: the mean with its standard error, and whether it may be the best.
+    """Return a row for each cell: the mean with its standard error, and whether it may be the best.
 
-    The best is that of the cell's method. For SCORE also the mean divided by P.
+    The best is among the cells of one method. SCORE also has the mean divided by P.
     """
     moments = {cell: Moments.of(list(campaign.values(cell, metric).values())) for cell in shown}
     near_best: dict[Cell, bool] = {}

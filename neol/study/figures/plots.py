@@ -38,9 +38,9 @@ def convergence(
     """Figures 2 and 3: best fitness over generations, and boxplots of the final one.
 
     One cell for each task and method; the lines are means over seeds with Student's 95% interval.
-    `incomplete` says of a task and method what its cell's choice lacked; whoever lacks something
-    has a star, and the note says what. `near_control` are marked too. `levels` of each task, from
-    one value to another, are drawn behind its final values.
+    `incomplete` says for a task and method what its cell's choice lacked; such a method has a star,
+    and the note gives the reason. Methods in `near_control` are marked too. `levels` of each task,
+    from one value to another, are drawn behind its final values.
     """
     with drawing():
         figure = Figure(figsize=(WIDTH, 1.55 * WIDTH / max(len(tasks), 3) + 1.6))
@@ -83,13 +83,13 @@ def convergence(
             [lines[label] for label in shown], shown, loc="outside upper center", ncols=len(methods)
         )
         explanation = (
-            "Lines: means over seeds, bands: their 95% intervals, cut at the range of the runs. "
+            "Lines: means over seeds; bands: their 95% intervals, cut at the range of the runs. "
             "Boxes: quartiles, whiskers to 1.5 interquartile ranges; dots: single seeds."
         )
         if levels:
             explanation += (
-                " Grey, or named with an arrow where it lies beyond the panel: Gymnasium's reward "
-                "threshold, and from the lowest to the highest of the means that the paper prints."
+                " Grey, or an arrow if outside the panel: Gymnasium's reward threshold, and the "
+                "range of the means that the paper prints."
             )
         little = [f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}."] if near_control else []
         footer(figure, "\n".join([f"{note} {explanation}", *little, *_listed(reasons)]))
@@ -108,11 +108,11 @@ def heatmaps(
 ) -> Figure:
     """Figures 4 to 11: the mean over seeds for every population and rate, with its standard error.
 
-    `cells` has a row for each cell: method, population, learning_rate (NaN for a method without,
-    which is a single row), `seeds`, `mean`, `standard_error`, `near_control`, and `near_best`, the
-    cells of a method that cannot be told from its best. All panels share one colour scale. The
-    best cell has a thick frame, those near it a thin one; a cell that lacks seeds is hatched and
-    says how many it has.
+    `cells` has a row for each cell: method, population, learning_rate (NaN for a method without
+    one, which has a single row), `seeds`, `mean`, `standard_error`, `near_control`, and
+    `near_best`, the cells of a method that are not distinguishable from its best. All panels share
+    one colour scale. The best cell has a thick frame, those near it a thin one; a cell that lacks
+    seeds is hatched and says how many it has.
     """
     grids = {
         method: _grid(cells[cells["method"] == method], populations, learning_rates)
@@ -157,10 +157,10 @@ def heatmaps(
 
 
 def _explained(cells: pd.DataFrame) -> str:
-    """What the numbers, frames and marks of heat maps mean."""
+    """Explain the numbers, frames and marks of heat maps."""
     sentences = [
-        "Means over seeds, beneath them standard errors. Framed: a panel's highest mean, if it is "
-        "one alone, and thinly the cells not distinguishable from it (one-sided Welch tests, "
+        "Means over seeds; beneath them, standard errors. Thick frame: a panel's highest mean, if "
+        "it is unique; thin frames: cells not distinguishable from it (one-sided Welch tests, "
         "corrected for their number)."
     ]
     if cells["near_control"].any():
@@ -169,9 +169,9 @@ def _explained(cells: pd.DataFrame) -> str:
 
 
 def draw_curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked: float) -> None:
-    """A method's mean over seeds; `table` has a row for each generation, a column for each seed.
+    """Draw a mean over seeds; `table` has a row for each generation, a column for each seed.
 
-    `marked` says how far into each stretch of the line its marker sits.
+    `marked` says how far into each stretch of the line its marker is.
     """
     values = table.to_numpy(dtype=float)
     mean = values.mean(axis=1) if values.size else np.array([])
@@ -190,7 +190,7 @@ def draw_curve(axis: Axes, label: str, style: Style, table: pd.DataFrame, marked
 
 
 def clip_to_runs(axis: Axes, values: "pd.Series[float]") -> None:
-    """Cut an axis at the range of its runs: Student's bands leave it where seeds are few."""
+    """Cut an axis at the range of its runs, which Student's bands exceed with few seeds."""
     if values.empty:
         return
     low, high = float(values.min()), float(values.max())
@@ -200,7 +200,7 @@ def clip_to_runs(axis: Axes, values: "pd.Series[float]") -> None:
 
 
 def _spaced(points: int, offset: float, markers: int = 5) -> list[int]:
-    """Where the markers of a line sit, apart from those of the other methods."""
+    """Return the positions of a line's markers, shifted so that those of methods do not overlap."""
     if points <= 2 * markers:
         return list(range(points))
     step = points / markers
@@ -239,7 +239,7 @@ def _boxes(
 
 
 def _levels(axis: Axes, levels: Mapping[str, tuple[float, float]]) -> None:
-    """Levels behind the values, named above them; one that lies beyond the panel has an arrow."""
+    """Draw levels behind the values, named above; a level beyond the panel has an arrow."""
     bottom, top = axis.get_ylim()
     axis.set_ylim(bottom, top)
     names = []
@@ -255,7 +255,7 @@ def _levels(axis: Axes, levels: Mapping[str, tuple[float, float]]) -> None:
 def _grid(
     cells: pd.DataFrame, populations: Sequence[int], rates: Sequence[float]
 ) -> dict[str, npt.NDArray[Any]]:
-    """The columns of a method's cells: [rates, populations], one row where there is no rate."""
+    """Return a method's cells by column: [rates, populations], one row if it has no rate."""
     rows = list(rates) if cells["learning_rate"].notna().any() else [0.0]
     places = pd.MultiIndex.from_product([rows, populations])
     keys = ["learning_rate", "population"]
@@ -271,7 +271,7 @@ def _grid(
 
 
 def _scale(means: Floats) -> Normalize:
-    """From the lowest to the highest mean, with some width even where all are equal."""
+    """Scale colours from the lowest to the highest mean, with some width if all are equal."""
     if not len(means):
         return Normalize(0, 1)
     low, high = float(means.min()), float(means.max())
@@ -294,7 +294,7 @@ def _write_cells(
         error = grid["standard_error"][row, column]
         if there == seeds and math.isfinite(error):
             beneath = f"±{drawn(f'{error:.2g}' if error < 100 else f'{error:.0f}')}"
-        size = min(6.5, 36.0 / len(text))  # a cell is narrow where there are four
+        size = min(6.5, 36.0 / len(text))  # cells of four populations are narrow
         written = [
             axis.text(column + 0.5, row + (0.64 if beneath else 0.5), text, ha="center",
                       va="center", fontsize=size, color=ink),
@@ -325,7 +325,7 @@ def _tint(colour: str) -> tuple[float, float, float, float]:
 
 
 def _listed(reasons: Mapping[tuple[str, str], str]) -> list[str]:
-    """What is incomplete: by task and method, why."""
+    """List what is incomplete, by method and task, with reasons."""
     said = [
         f"{method_label(method)} on {task_label(task)}: {why}"
         for (task, method), why in reasons.items()

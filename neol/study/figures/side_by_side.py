@@ -1,4 +1,4 @@
-"""Records side by side: what differs in their configurations, and what their runs came to."""
+"""Records side by side: differences of their configurations, and outcomes of their runs."""
 
 import math
 import string
@@ -36,29 +36,29 @@ class Compared:
     path: Path
     """A record, or a folder whose records are of one configuration."""
     record: Record
-    """All runs that are there."""
+    """All of its runs that were recorded."""
 
     @property
     def spec(self) -> RunSpec:
-        """With the first seed."""
+        """Return the specification, with the first seed."""
         return self.record.spec
 
     @property
     def name(self) -> str:
-        """BCM, P = 50, η = 0.25."""
+        """Return a name such as "BCM, P = 50, η = 0.25"."""
         plasticity = self.spec.plasticity
         rate = f", η = {plasticity.learning_rate:g}" if plasticity.learns else ""
         return f"{method_label(self.spec.method)}, P = {self.spec.population}{rate}"
 
     @cached_property
     def best_fitness(self) -> pd.DataFrame:
-        """A row for each generation, a column for each seed."""
+        """Return best fitness: a row for each generation, a column for each seed."""
         table = self.record.frame()
         return table.pivot_table(index="generation", columns="seed", values="best_fitness")
 
 
 def read_compared(paths: Sequence[Path]) -> list[Compared]:
-    """The runs that each path names, which must be of one configuration (UserError)."""
+    """Read the runs that each path names, which must be of one configuration (UserError)."""
     if len(paths) > len(LETTERS):
         raise UserError(f"{len(paths)} are too many to compare; name at most {len(LETTERS)}")
     return [
@@ -67,16 +67,16 @@ def read_compared(paths: Sequence[Path]) -> list[Compared]:
 
 
 def differing_constants(compared: Sequence[Compared]) -> dict[str, list[str]]:
-    """The constants that are not the same for all, each with its values."""
+    """Return the constants that are not the same for all, each with its values."""
     constants = [by_dotted_key(complete(each.spec.without_seed())) for each in compared]
     values = {key: [str(each[key]) for each in constants] for key in constants[0]}
     return {key: each for key, each in values.items() if len(set(each)) > 1}
 
 
 def outcome_rows(compared: Sequence[Compared]) -> dict[str, list[str]]:
-    """What the runs came to, each outcome with its mean over seeds and 95% interval.
+    """Return the outcomes of the runs, each with its mean over seeds and 95% interval.
 
-    SCORE is there where all are runs of the same budget, which gives it its unit.
+    SCORE is included if all are runs of the same budget, which gives it its unit.
     """
     rows = {
         "runs": [str(len(each.record.seeds)) for each in compared],
@@ -95,7 +95,7 @@ def outcome_rows(compared: Sequence[Compared]) -> dict[str, list[str]]:
 
 
 def learning_curves(compared: Sequence[Compared]) -> Figure:
-    """Best fitness over generations, a panel for each task."""
+    """Draw best fitness over generations, a panel for each task."""
     tasks = list(dict.fromkeys(each.spec.task.name for each in compared))
     methods = [each.spec.method for each in compared]
     distinct = len(set(methods)) == len(methods)
@@ -122,7 +122,7 @@ def learning_curves(compared: Sequence[Compared]) -> Figure:
 
 
 def _labels(compared: Sequence[Compared]) -> list[str]:
-    """A: BCM, P = 50, η = 0.25; where that says the same of several, with what differs in them."""
+    """Return labels such as "A: BCM, P = 50, η = 0.25"; equal names also list what differs."""
     labels = []
     for each in compared:
         alike = [other for other in compared if other.name == each.name]
@@ -151,7 +151,7 @@ def _held_out(info: SeedInfo) -> float:
 
 
 def _score_samples(compared: Sequence[Compared]) -> list[float]:
-    """M for each, in the budget that all runs are of; none where they are not whole runs of one."""
+    """Return M for each in the budget of all runs; empty if they are not whole runs of one."""
     names = {each.record.budget for each in compared}
     name = names.pop()
     if names or name not in budgets():
@@ -169,7 +169,7 @@ def _score_samples(compared: Sequence[Compared]) -> list[float]:
 
 
 def _mean(values: npt.ArrayLike, digits: int = 1) -> str:
-    """Mean with Student's interval."""
+    """Format the mean with Student's interval."""
     known = np.asarray(values, dtype=np.float64)
     known = known[~np.isnan(known)]
     if not len(known):

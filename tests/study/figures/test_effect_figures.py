@@ -1,4 +1,4 @@
-"""What the pictures of effects say; how they look was judged by eye."""
+"""Captions and marks in pictures of effects; their look was judged by eye."""
 
 import math
 
@@ -57,9 +57,9 @@ def test_the_range_of_equal_cost_is_said() -> None:
     ]
     table = pd.DataFrame(rows, columns=columns)
     said = footer(effect_figures.draw_efficiency(table, BUDGET, "Made up."))
-    assert "equal in all sizes: Hopper, 300 to 25,000 evaluations." in said
+    assert "Equal in all sizes: Hopper, 300 to 25,000 evaluations." in said
     said = footer(effect_figures.draw_efficiency(table[1:], BUDGET, "Made up."))
-    assert "equal in all sizes: Hopper, no common range." in said
+    assert "Equal in all sizes: Hopper, no common range." in said
 
 
 def test_runs_without_a_held_out_value_are_counted() -> None:
@@ -79,4 +79,4 @@ def test_tasks_without_a_threshold_are_said() -> None:
     assert "no threshold" not in footer(figure)
     other = BUDGET.model_copy(update={"tasks": ("hopper", "acrobot")})
     figure = effect_figures.draw_aggregates(table, other, "Made up.")
-    assert "Left out, having no threshold: Acrobot." in footer(figure)
+    assert "Left out (no reward threshold): Acrobot." in footer(figure)

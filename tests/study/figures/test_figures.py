@@ -1,4 +1,4 @@
-"""What the figures say; how they look was judged by eye."""
+"""Captions, marks and numbers of figures; their look was judged by eye."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -114,7 +114,7 @@ def test_bands_end_at_the_range_of_the_runs() -> None:
 
 
 def test_no_band_goes_beyond_the_runs() -> None:
-    """At a task's maximum a mean's interval must not be drawn above it."""
+    """A mean's interval must not be drawn above a task's maximum."""
     for band in draw_curves(curves(seeds=3)).axes[0].collections:
         heights = band.get_paths()[0].vertices[:, 1]
         assert heights.min() >= 0

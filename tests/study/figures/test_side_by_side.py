@@ -85,7 +85,7 @@ def test_records_of_one_method_look_different(paths: list[Path]) -> None:
 
 
 def one_run(path: Path, like: Path, reward_scale: float) -> Path:
-    """A record of a single seed, else of the configuration of another one."""
+    """Write a record of one seed whose configuration differs from another's in the reward scale."""
     spec = read_compared([like])[0].spec
     plasticity = spec.plasticity.model_copy(update={"reward_scale": reward_scale})
     write_record(path, run(spec.model_copy(update={"plasticity": plasticity}), "smoke", 7.0))
