@@ -1,1 +1,1 @@
-"""The paper's claims, and what records say about each."""
+"""The paper's claims, and the verdict of the records on each."""

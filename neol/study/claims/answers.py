@@ -24,21 +24,21 @@ POWER = 0.8
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What is known of one part of a question, or of the whole."""
+    """Evidence on one part of a question, or on the whole, with its state and interval."""
 
     evidence: Evidence
     state: State | None
     """For, against or open at this look; None without an effect."""
     low: float
     high: float
-    """The interval at this look's level."""
+    """Ends of the interval at this look's level."""
     near_control: bool = False
-    """Whether its rules move next to nothing, so that it is no effect of learning."""
+    """Whether its rules hardly move a weight, so that learning cannot explain it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A question, and what runs say to it."""
+    """A question and its answer from runs."""
 
     question: Question
     verdict: Verdict
@@ -46,29 +46,29 @@ class Answer:
     parts: tuple[Finding, ...]
     whole: Finding | None
     seeds: int
-    """Of each method: those of the last look that is complete."""
+    """Seeds of each method at the last complete look."""
     p: float
-    """Of the whole: two-sided, all looks paid for; NaN where 0 is not tested."""
+    """Two-sided p-value of the whole, corrected for all looks; NaN where 0 is not tested."""
     p_holm: float
-    """The same, corrected over the question's family."""
+    """The p-value corrected also over the question's family (Holm)."""
     compatible: bool | None
-    """Whether ours lies where the paper's numbers predict it; None without such numbers."""
+    """Whether our effect lies where the paper's numbers predict it; None without such numbers."""
     papers: Verdict | None
     """The verdict on the paper's own numbers; None where it prints none."""
     seeds_needed: float
-    """With which the paper's effect would be distinguishable 4 times of 5; NaN if unknown."""
+    """Seeds that detect the paper's effect with a power of 80%; NaN if unknown."""
     fresh: Effect | None
-    """The whole from seeds 10 on alone, which nobody had seen at a smaller budget."""
+    """Effect of the whole from seeds 10 and up alone, which no smaller budget has shown."""
 
     @property
     def counts(self) -> dict[State, int]:
-        """Parts for, against and open."""
+        """Return the numbers of parts for, against and open."""
         found = Counter(part.state or "open" for part in self.parts)
         return {"for": found["for"], "against": found["against"], "open": found["open"]}
 
     @property
     def near_control(self) -> bool:
-        """Whether every part is, of which some have a rule: then no rule has done anything."""
+        """Return whether all parts with a rule are near control: then no rule learned anything."""
         rules = [
             part.near_control
             for part in self.parts
@@ -86,12 +86,12 @@ class _Asked:
     whole: Evidence | None
     seeds: int
     number: int | None
-    """Of the look."""
+    """Number of the look."""
     fresh: Effect | None
 
 
 def answers(questions: Sequence[Question], outcomes: Outcomes) -> tuple[Answer, ...]:
-    """The answers to all questions; Holm's correction needs them together."""
+    """Answer all questions; Holm's correction needs them together."""
     asked = [_ask(question, outcomes) for question in questions]
     ours = _corrected(
         questions,
@@ -135,7 +135,7 @@ def _corrected(
     looks: Sequence[int],
     unanswered: float,
 ) -> list[tuple[float, float]]:
-    """Repeated p-values, and Holm's over each family.
+    """Return repeated p-values, and the same with Holm's correction over each family.
 
     `unanswered` is the p-value with which a question without an effect counts in its family; NaN
     if it does not count.
@@ -192,7 +192,7 @@ def _answer(asked: _Asked, outcomes: Outcomes, p: float, p_holm: float, papers_p
 
 
 def _lack(asked: _Asked, outcomes: Outcomes, verdict: Verdict) -> tuple[Verdict, str] | None:
-    """Why the question cannot be answered here, if so."""
+    """Return why the question cannot be answered here; None if it can."""
     cells = [cell for part in asked.parts for cell in part.cells]
     if not all(part.cells and part.papers_cells for part in asked.parts):
         return "not asked here", "the budget lacks the paper's cells"
@@ -218,7 +218,7 @@ def _finding(question: Question, part: Evidence, outcomes: Outcomes, alpha: floa
 
 
 def _seeds_needed(ours: Effect | None, paper: Effect | None, seeds: int) -> float:
-    """From the paper's effect and the spread of our runs, by normal theory."""
+    """Return the seeds that detect the paper's effect, from our runs' spread (normal theory)."""
     if ours is None or paper is None or not ours.error or not paper.value:
         return math.nan
     z = stats.norm.isf(ALPHA / 2) + stats.norm.isf(1 - POWER)

@@ -1,4 +1,4 @@
-"""What the ledger could say: made-up studies of known truth through the whole chain of verdicts.
+"""Calibration of the ledger: made-up studies of known truth through the whole chain of verdicts.
 
 A study has all cells of the paper's budget with 30 seeds, each run drawn from a normal
 distribution, and is asked at each look. `python -m neol.study.claims.calibration` writes the table
@@ -35,29 +35,29 @@ TRUTHS = {
     "one better": "BCM is one standard deviation above all others, which are alike",
     "paper": "every cell has the mean and the deviation that the paper prints for its method",
 }
-"""Made-up worlds; means and deviations of NEAT are the paper's."""
+"""Made-up worlds; NEAT's means and deviations are the paper's."""
 COLUMNS = ("support", "reproduced", "contradiction", "open")
 SUPPORT: tuple[Verdict, ...] = ("reproduced", "same direction", "mixed")
 
 
 @dataclass(frozen=True)
 class MadeUp(Outcomes):
-    """Runs drawn from normal distributions; `available` of each cell are there."""
+    """Runs drawn from normal distributions, of which each cell has the first `available`."""
 
     drawn: Mapping[tuple[Cell, str], Floats] = field(default_factory=dict)
     available: int = LOOKS[-1]
     by_method: Mapping[tuple[str, str], list[Cell]] = field(default_factory=dict)
 
     def samples(self, compared: Sequence[Cell], metric: str) -> list[Floats]:
-        """The runs of some cells, by seed."""
+        """Return the runs of some cells, by seed."""
         return [self.drawn[cell, metric][: self.available] for cell in compared]
 
     def leading(self, cell: Cell) -> int:
-        """All cells have as many."""
+        """Return `available` for every cell."""
         return self.available if (cell, "score") in self.drawn else 0
 
     def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:
-        """All cells of a task and some methods."""
+        """Return all cells of a task and some methods."""
         return [cell for method in methods for cell in self.by_method.get((task, method), ())]
 
 
@@ -81,20 +81,19 @@ def made_up_studies(truth: str, seed: int = 0) -> Iterator[MadeUp]:
 
 
 def simulated(truth: str, studies: int, seed: int = 0) -> Iterator[list[tuple[Answer, ...]]]:
-    """Answer the questions of so many studies, of each at every look."""
+    """Answer the questions of `studies` made-up studies, of each at every look."""
     questions = load_questions()
     for study in islice(made_up_studies(truth, seed), studies):
         yield [answers(questions, replace(study, available=seeds)) for seeds in LOOKS]
 
 
 def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
-    """By question, how often a study says what; columns are shares of the studies.
+    """Return how often studies give each kind of verdict on a question, as shares of the studies.
 
     `support`: reproduced, same direction or mixed, at any look where zero is tested, at the last
     otherwise; `contradiction`: not reproduced or equivalent to zero at the last; `open`:
-    inconclusive at the last. `papers` is the verdict that
-    the paper's own numbers get. Questions that hold by construction, or that the paper's budget
-    does not ask, are left out.
+    inconclusive at the last. `papers` is the verdict on the paper's own numbers. Questions that
+    hold by construction, or that the paper's budget does not ask, are left out.
     """
     counts: dict[str, Counter[str]] = {}
     papers: dict[str, Verdict | None] = {}
@@ -122,7 +121,7 @@ def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
 
 
 def section(studies: int) -> str:
-    """The generated part of the page."""
+    """Return the generated part of the page."""
     tables = {truth: frequencies(truth, studies).set_index("question") for truth in TRUTHS}
     worlds = " | ".join(f"{truth}: for / against" for truth in TRUTHS)
     lines = [
@@ -142,7 +141,7 @@ def section(studies: int) -> str:
 
 
 def write_section(studies: int, page: Path = PAGE) -> None:
-    """Write the generated part of the page anew."""
+    """Replace the generated part of the page."""
     text = read_bounded(page, 2**20).decode()
     head, rest = text.split(BEGIN)
     tail = rest.split(END)[1]
@@ -150,7 +149,7 @@ def write_section(studies: int, page: Path = PAGE) -> None:
 
 
 def _truth(truth: str, cell: Cell, metric: str) -> tuple[float, float]:
-    """Mean and deviation of a run."""
+    """Return mean and deviation of a run of this cell."""
     score = metric == "score"
     method = cell.method if truth == "paper" else "neat"
     table = (2, 8) if score else (1, 7)
@@ -163,5 +162,5 @@ def _truth(truth: str, cell: Cell, metric: str) -> tuple[float, float]:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--studies", type=int, default=400, help="of each world")
+    parser.add_argument("--studies", type=int, default=400, help="studies of each world")
     write_section(parser.parse_args().studies)

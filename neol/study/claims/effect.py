@@ -1,6 +1,6 @@
 """Effects made of means and standard deviations: what the paper prints is enough to compute them.
 
-A `Summary` is what is known of a cell's runs, ours or the paper's. A contrast of summaries is an
+A `Summary` holds the moments of a cell's runs, ours or the paper's. A contrast of summaries is an
 `Effect`: a value with its standard error, from which intervals, tests and predictions follow by
 normal theory with unequal variances (Welch 1947).
 """
@@ -27,26 +27,26 @@ class Effect(Difference):
     """A difference, or a contrast of more than two averages."""
 
     def predicts(self, other: "Effect", alpha: float) -> bool:
-        """Whether another study's effect lies where this one predicts it."""
+        """Return whether another study's effect lies where this one predicts it."""
         low, high = combined([(1, other), (-1, self)]).interval(1 - alpha)
         return low <= 0 <= high
 
     @property
     def telescope(self) -> float:
-        """The effect that the study of this one would have found one time in three.
+        """Return the effect that this effect's study would have detected with a power of one third.
 
-        Of a two-sided t-test at 0.05 (Simonsohn 2015). Below it, an effect is too small for the
-        study to have been a reason to believe in it.
+        The test is a two-sided t-test at 0.05 (Simonsohn 2015). A smaller effect is too small for
+        the study to have been evidence of it.
         """
         return self.error * _noncentrality(round(self.degrees, 3))
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What is known of one side of a comparison, averaged over its cells.
+    """Moments of one side of a comparison, averaged over its cells.
 
-    `spread` is the logarithm of the standard deviation, None where the runs of a cell do not vary,
-    or it is not asked for; `sd` is the standard deviation itself, averaged as variance.
+    `spread` is the logarithm of the standard deviation, None where the runs of a cell do not vary
+    or it is not needed; `sd` is the standard deviation itself, averaged as variance.
     """
 
     mean: Effect
@@ -55,10 +55,10 @@ class Summary:
 
     @classmethod
     def of_runs(cls, values: Floats, *, spread: bool = False) -> "Summary":
-        """Of our runs, float64[cells, n] with n >= 3, seeds in the same order in each cell.
+        """Summarise our runs, float64[cells, n] with n >= 3, seeds in the same order in each cell.
 
-        A seed's runs are averaged first: what they share makes no average look more certain than
-        it is. The spread, where it is asked for, has the jackknife's error.
+        A seed's runs are averaged first, so that what they share does not make the average look
+        more certain than it is. The spread, if needed, has the jackknife's error.
         """
         means = values.mean(axis=0)
         n, variances = len(means), values.var(axis=1, ddof=1)
@@ -68,7 +68,7 @@ class Summary:
 
     @classmethod
     def printed(cls, cells: Sequence[tuple[float, float]], n: int) -> "Summary":
-        """Of the paper's means and standard deviations; the spread's error is normal theory's."""
+        """Summarise the paper's means and deviations; the spread's error is normal theory's."""
         means = [Effect(mean, sd / math.sqrt(n), n - 1) for mean, sd in cells]
         sds = [sd for _, sd in cells]
         error = 1 / math.sqrt(2 * (n - 1))
@@ -79,10 +79,10 @@ class Summary:
 def difference(
     ours: Summary, theirs: Summary, statistic: Statistic = "mean", scale: Scale = "raw"
 ) -> Effect | None:
-    """One side minus the other; None where it is not defined.
+    """Return one side minus the other; None where it is not defined.
 
     `sd` divides it by the standard deviation of a run, averaged as variance over both sides;
-    `relative` by the size of what it is compared with. Both pass the divisor's error on.
+    `relative` by the other side's size. Both propagate the divisor's error.
     """
     if statistic == "spread":
         if ours.spread is None or theirs.spread is None:
@@ -95,12 +95,12 @@ def difference(
 
 
 def average(effects: Sequence[Effect]) -> Effect:
-    """Of independent effects."""
+    """Return the average of independent effects."""
     return combined([(1 / len(effects), effect) for effect in effects])
 
 
 def combined(terms: Iterable[tuple[float, Effect]]) -> Effect:
-    """A weighted sum of independent effects; its degrees of freedom are Satterthwaite's."""
+    """Return a weighted sum of independent effects, with Satterthwaite's degrees of freedom."""
     terms = list(terms)
     value = sum(weight * effect.value for weight, effect in terms)
     variances = [(weight * effect.error) ** 2 for weight, effect in terms]
@@ -135,7 +135,7 @@ def _relative(ours: Effect, theirs: Effect) -> Effect | None:
 
 
 def _log_sd(values: Floats) -> Effect:
-    """Logarithm of the standard deviation with the jackknife's error (Miller 1968)."""
+    """Return the logarithm of the standard deviation with the jackknife's error (Miller 1968)."""
     n = len(values)
     variance = np.var(values, ddof=1)
     squares = (values - np.mean(values)) ** 2
@@ -148,7 +148,7 @@ def _log_sd(values: Floats) -> Effect:
 
 @cache
 def _noncentrality(degrees: float) -> float:
-    """Size of an effect, in its standard errors, that a two-sided t-test at 0.05 finds 1 in 3."""
+    """Return the effect, in standard errors, that a two-sided t-test at 0.05 detects 1 in 3."""
     critical = float(stats.t.isf(0.025, degrees))
 
     def missing(size: float) -> float:

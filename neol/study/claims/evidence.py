@@ -1,4 +1,4 @@
-"""What runs say to a question: the effects of its parts and of the question as a whole.
+"""Evidence of runs on a question: the effects of its parts and of the question as a whole.
 
 A part is one rule on one task. The whole is not a vote of the parts: its effect is the average of
 all rules against the same baseline, averaged over the tasks.
@@ -35,38 +35,38 @@ from neol.study.outcomes.paper_numbers import settings
 from neol.study.outcomes.statistics import Floats
 
 LEAST_SEEDS = 6
-"""With fewer nothing is computed: where a cell is chosen, half of them would remain."""
+"""Fewest seeds from which effects are computed; where a cell is chosen, half of them remain."""
 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What our runs and the paper's numbers say to a part of a question, or to the whole."""
+    """Effects of our runs and of the paper's numbers, for a part of a question or the whole."""
 
     label: str
     cells: tuple[Cell, ...]
-    """Whose runs it is made of, or one of which is chosen."""
+    """Cells whose runs it uses, or of which one is chosen."""
     papers_cells: bool
-    """Whether they are all those that the paper asks about."""
+    """Whether the cells are all those of the paper's question."""
     ours: Effect | None = None
-    """None where there are too few runs, or nothing that varies."""
+    """Effect of our runs; None if they are too few, or do not vary."""
     paper: Effect | None = None
-    """None where the paper prints no such numbers."""
+    """Effect of the paper's numbers; None if it prints no such numbers."""
     margin: float = 0.0
-    """Effects below it are none."""
+    """Effects smaller than this count as none."""
     state: State | None = None
-    """Where another rule decides than the effect's intervals."""
+    """State of the part if a rule other than the effect's interval decides it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The evidence on all parts of a question, and on the whole: None where the parts decide."""
+    """Evidence on all parts of a question, and on the whole; None where the parts decide."""
 
     parts: tuple[Evidence, ...]
     whole: Evidence | None
 
 
 def evidence(question: Question, runs: Runs, alpha: float) -> Answered:
-    """The evidence on a question; `alpha` is the level where a part has a rule of its own."""
+    """Return the evidence on a question; `alpha` is the level of parts with a rule of their own."""
     match question:
         case Difference():
             return _difference(question, runs)
@@ -258,13 +258,13 @@ def _printed(question: Printed, runs: Runs, alpha: float) -> Answered:
 
 
 def _p_same(part: Evidence) -> float:
-    """p-value of our mean and the paper's being of one distribution."""
+    """Return the p-value of the hypothesis that our mean and the paper's are equal."""
     assert part.ours and part.paper
     return combined([(1, part.ours), (-1, part.paper)]).p()
 
 
 def _between_rates(choice: Choice, runs: Runs, outcome: Metric) -> Effect:
-    """The same in units of the variance over seeds, averaged over populations; jackknife error."""
+    """Return the variance between rates in units of that over seeds, with jackknife error."""
     (table,) = runs.tables([choice], outcome)
     sizes = np.array([cell.population for cell in choice.cells])
     noise = table.var(axis=1, ddof=1).mean() or 1.0
@@ -284,7 +284,7 @@ def _leads(first: Summary, others: Sequence[Summary]) -> list[Effect]:
 
 
 def _decisive(leads: Sequence[Effect], at_most: int) -> Effect:
-    """The lead over the best of those that must lie below."""
+    """Return the lead over the best of the methods that must be lower."""
     return sorted(leads, key=lambda lead: lead.value)[at_most - 1]
 
 
@@ -296,7 +296,7 @@ def _measured(
     paper: Effect | None,
     margin: float = 0.0,
 ) -> Evidence:
-    """Evidence whose effect is computed where there are runs enough."""
+    """Return evidence whose effect is computed if there are enough runs."""
     cells = tuple(cell for choice in choices for cell in choice.cells)
     papers = all(choice.cells and choice.papers for choice in choices)
     enough = runs.end - runs.begin >= LEAST_SEEDS
@@ -307,7 +307,7 @@ def _measured(
 
 
 def _averaged(each: Sequence[Evidence]) -> Evidence:
-    """The average over tasks, or over parts."""
+    """Return the average over tasks, or over parts."""
     if len(each) == 1:
         return each[0]
     ours, paper = ([getattr(one, name) for one in each] for name in ("ours", "paper"))
@@ -322,7 +322,7 @@ def _averaged(each: Sequence[Evidence]) -> Evidence:
 
 
 def _minus(first: Evidence, second: Evidence) -> Evidence:
-    """The first side's effect minus the second's."""
+    """Return the first side's effect minus the second's."""
 
     def effect(name: Literal["ours", "paper"]) -> Effect | None:
         one, other = getattr(first, name), getattr(second, name)
@@ -343,5 +343,5 @@ def _distinct(choices: Iterator[Choice] | Sequence[Choice]) -> tuple[Choice, ...
 
 
 def leading(outcomes: Outcomes, cells: Sequence[Cell]) -> int:
-    """How many of the first seeds all cells have."""
+    """Return how many of the first seeds all cells have."""
     return min((outcomes.leading(cell) for cell in cells), default=0)

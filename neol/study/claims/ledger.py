@@ -24,17 +24,17 @@ from neol.study.output.latex import escape
 from neol.study.output.sidecar import write_sidecar
 
 WHOLE = "all"
-"""What the row of a question as a whole is called."""
+"""Name of the row of a question as a whole."""
 PAPERS_WORDS: dict[str, str] = {
     "reproduced": "shown",
     "same direction": "shown",
     "not reproduced": "not shown",
 }
-"""What a verdict is called where the runs are the paper's own."""
+"""Names of verdicts on the paper's own numbers."""
 
 
 def as_table(answers: Sequence[Answer]) -> pd.DataFrame:
-    """A row for each part of each question, and one for the whole, at full precision."""
+    """Return a row for each part of each question, and one for the whole, at full precision."""
     return pd.DataFrame([row for answer in answers for row in _rows(answer)])
 
 
@@ -67,7 +67,7 @@ def _rows(answer: Answer) -> Iterator[dict[str, Any]]:
 
 
 def _numbers(finding: Finding) -> dict[str, Any]:
-    """The state and effect of a part; the paper's interval is that of a single 95% one."""
+    """Return the state and effect of a part; the paper's interval is a single one at 95%."""
     ours, paper = finding.evidence.ours, finding.evidence.paper
     paper_low, paper_high = paper.interval(1 - ALPHA) if paper else (math.nan, math.nan)
     return {
@@ -84,18 +84,18 @@ def _numbers(finding: Finding) -> dict[str, Any]:
 
 
 def count_words(answers: Sequence[Answer]) -> str:
-    """How many questions have which verdict: 3 reproduced, 1 inconclusive."""
+    """Count the questions by verdict: 3 reproduced, 1 inconclusive."""
     counts = Counter(answer.verdict for answer in answers)
     return ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common())
 
 
 def as_markdown(answers: Sequence[Answer], claims: Sequence[Claim], budget: str) -> str:
-    """The ledger as a page: the rules, a summary, and each question with its parts and quotes."""
+    """Return the ledger as a page: the rules, a summary, each question with parts and quotes."""
     plan = frozen_plan()
     lines = [
         "# The paper's questions",
         budget,
-        f"{len(answers)} questions stand for {len(claims)} sentences of the paper: "
+        f"{len(claims)} sentences of the paper raise {len(answers)} questions: "
         f"{count_words(answers)}. {plan}",
         (verdicts.__doc__ or "").strip(),
         _grid(
@@ -111,16 +111,16 @@ def as_markdown(answers: Sequence[Answer], claims: Sequence[Claim], budget: str)
 
 
 def as_latex(answers: Sequence[Answer], budget: str) -> str:
-    """The summary as a long table for \\input; it needs the packages booktabs and longtable."""
+    """Return the summary as a long table for \\input; it needs booktabs and longtable."""
     head = "Question & Verdict & Parts & Effect [interval] & Paper & Its own & $n$ \\\\"
     rows = [
         "  " + " & ".join(map(escape, [answer.question.ask, *_summary(answer)[1:]])) + " \\\\"
         for answer in answers
     ]
     caption = (
-        "The questions that the paper's claims come down to. Parts: for / against / open. Effect: "
-        "of all rules together, with the interval of the last complete look. Paper: the effect "
-        f"that its tables print. Its own: the verdict on these numbers by the same rules. {budget}"
+        "The questions that the paper's claims raise. Parts: for / against / open. Effect: of all "
+        "rules together, with the interval of the last complete look. Paper: the effect that its "
+        f"tables print. Its own: the verdict on these numbers by the same rules. {budget}"
     )
     return "\n".join(
         [
@@ -163,11 +163,11 @@ def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
     lines = [f"## {question.id}: {answer.verdict}", f"{question.ask}{reason}"]
     if not math.isnan(answer.p_holm):
         lines.append(
-            f"Two-sided p = {answer.p:.3g}, all looks paid for; {answer.p_holm:.3g} after Holm's "
-            f"correction over the family `{question.family}`."
+            f"Two-sided p = {answer.p:.3g}, corrected for all looks; {answer.p_holm:.3g} after "
+            f"Holm's correction over the family `{question.family}`."
         )
     if not math.isnan(answer.seeds_needed) and answer.verdict == "inconclusive":
-        lines.append(f"The paper's effect takes about {answer.seeds_needed:.0f} seeds.")
+        lines.append(f"Detecting the paper's effect takes about {answer.seeds_needed:.0f} seeds.")
     if answer.fresh is not None:
         low, high = answer.fresh.interval()
         lines.append(f"Seeds 10 and up alone: {_effect(answer.fresh, low, high)} (95%).")
@@ -208,7 +208,7 @@ def write_ledger(
 ) -> None:
     """Write claims.tex, claims.csv (each part, full precision), claims.md and claims.json.
 
-    Captions are about the first of the campaigns.
+    Captions describe the first of the campaigns.
     """
     folder.mkdir(parents=True, exist_ok=True)
     configuration = campaigns[0].configuration

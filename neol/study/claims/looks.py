@@ -1,8 +1,8 @@
-"""Looking at the same question again when seeds were added: what each look may spend.
+"""Levels of repeated looks at the same question, as seeds are added.
 
-Looks are at 10, 20 and 30 seeds. The spending function is the one of Lan and DeMets (1983) that is
-like O'Brien and Fleming's bounds: an early look needs strong evidence, the last one nearly none
-more than a single test.
+Looks are at 10, 20 and 30 seeds. The spending function of Lan and DeMets (1983) resembles O'Brien
+and Fleming's bounds: an early look needs strong evidence, the last one hardly more than a single
+test.
 """
 
 import math
@@ -14,25 +14,25 @@ from scipy import optimize, stats
 from neol.study.outcomes.statistics import ALPHA, Floats
 
 LOOKS = (10, 20, 30)
-"""Seeds of each method."""
+"""Seeds of each method at each look."""
 
 
 def look(seeds: int) -> int | None:
-    """The last look, from 0 on, for which there are seeds; None before the first."""
+    """Return the last look, from 0 on, that has its seeds; None before the first."""
     done = [number for number, needed in enumerate(LOOKS) if seeds >= needed]
     return done[-1] if done else None
 
 
 def level(number: int) -> float:
-    """The two-sided level at which a look tests, where all looks together have `ALPHA`."""
+    """Return the two-sided level of one look's test; all looks together have `ALPHA`."""
     return nominal_levels(ALPHA)[number]
 
 
 def overall_p(p: float, number: int) -> float:
-    """The repeated p-value: the level of all looks together at which this one just rejects.
+    """Return the repeated p-value: the overall level at which this look just rejects.
 
-    So it is at most alpha with a probability of alpha, whenever one stops (Jennison and Turnbull
-    2000, chapter 9). Holm's correction applies to it as to any p-value.
+    It is at most alpha with a probability of alpha, independent of when one stops (Jennison and
+    Turnbull 2000, chapter 9). Holm's correction applies to it as to any p-value.
     """
     overall, at_look = _table()
     return float(np.exp(np.interp(math.log(max(p, 1e-300)), at_look[number], overall)))
@@ -40,7 +40,7 @@ def overall_p(p: float, number: int) -> float:
 
 @cache
 def nominal_levels(alpha: float) -> tuple[float, ...]:
-    """The level of each look's own two-sided test, where all together reject with `alpha`."""
+    """Return the level of each look's two-sided test; all together reject with `alpha`."""
     times = [seeds / LOOKS[-1] for seeds in LOOKS]
     # Each side spends its half of alpha, a, as 2 - 2 Phi(z_{a/2} / sqrt(t)).
     spent = [4 * stats.norm.sf(stats.norm.isf(alpha / 4) / math.sqrt(time)) for time in times]
@@ -73,7 +73,7 @@ def nominal_levels(alpha: float) -> tuple[float, ...]:
 
 @cache
 def _table() -> tuple[Floats, Floats]:
-    """Logarithms of overall levels, and of the levels of each look that belong to them."""
+    """Return logarithms of overall levels, and of the corresponding levels of each look."""
     overall = np.array([*np.geomspace(1e-12, 0.1, 45), *np.linspace(0.15, 0.95, 9), 1.0])
     levels = [nominal_levels(float(alpha)) for alpha in overall[:-1]] + [(1.0,) * len(LOOKS)]
     return np.log(overall), np.log(np.maximum(np.array(levels).T, 1e-300))

@@ -1,4 +1,4 @@
-"""The rules of parts that are no comparison of two averages: ranks, shares, sensitivity."""
+"""Rules for parts that do not compare two averages: ranks, shares, sensitivity."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -10,14 +10,14 @@ from neol.study.claims.effect import Effect, combined
 from neol.study.outcomes.statistics import Floats
 
 State = Literal["for", "against", "open"]
-"""What is sure of a part: that it is as the paper says, that it is not, or neither."""
+"""State of a part: significantly as the paper says, significantly not, or neither."""
 
 
 def ranked(leads: Sequence[Effect], at_most: int, alpha: float) -> State:
-    """Whether a method surely has, or surely lacks, a rank, by its leads over its rivals.
+    """Return whether a method significantly has, or lacks, a rank, by its leads over its rivals.
 
-    It has it if at least so many rivals lie below; the p-value of that is the partial conjunction's
-    (Benjamini and Heller 2008), which pays for the rivals being picked by the same runs.
+    It has the rank if enough rivals are lower. The p-value is that of the partial conjunction
+    (Benjamini and Heller 2008), which accounts for picking the rivals by the same runs.
     """
     rivals = len(leads)
     below = sorted(_one_sided(lead) for lead in leads)
@@ -29,17 +29,17 @@ def ranked(leads: Sequence[Effect], at_most: int, alpha: float) -> State:
 
 
 def share_state(reached: int, runs: int, share: float, alpha: float) -> State:
-    """Whether at least this share of runs surely reaches a level (Clopper and Pearson 1934)."""
+    """Return whether at least this share of runs reaches a level (Clopper and Pearson 1934)."""
     low = stats.beta.ppf(alpha, reached, runs - reached + 1) if reached else 0.0
     high = stats.beta.isf(alpha, reached + 1, runs - reached) if reached < runs else 1.0
     return "for" if low >= share else "against" if high < share else "open"
 
 
 def between_rates(values: Floats) -> float:
-    """Variance of a mean between learning rates, without what noise adds to it.
+    """Return the variance of a mean between learning rates, without the contribution of noise.
 
-    float64[rates, seeds]. The product of two different seeds' deviations has that variance as its
-    expectation, whatever the noise; this is its mean over all pairs of seeds.
+    `values` is float64[rates, seeds]. The expected product of two different seeds' deviations is
+    that variance, independent of the noise; the result is its mean over all pairs of seeds.
     """
     deviations = values - values.mean(axis=0)
     rates, seeds = values.shape

@@ -1,6 +1,6 @@
-"""The plan that was frozen before the runs that it is for: paper/plan.md and paper/questions.yaml.
+"""The plan that was frozen before its runs: paper/plan.md and paper/questions.yaml.
 
-paper/frozen.txt holds the SHA-256 of both; of the plan, of what stands above its list of later
+paper/frozen.txt holds the SHA-256 of both; the plan's covers the text above its list of later
 changes.
 """
 
@@ -18,24 +18,24 @@ LATER_CHANGES = "## Later changes"
 
 
 def frozen_plan() -> str:
-    """A sentence that names the plan, its SHA-256 and the commit that froze it."""
+    """Return a sentence that names the plan, its SHA-256 and the commit that froze it."""
     commit = _commit(FROZEN) or "unknown"
     return f"Plan: `paper/plan.md`, SHA-256 `{plan_digest()[:16]}`, frozen at commit `{commit}`."
 
 
 def plan_digest(plan: Path = PLAN) -> str:
-    """SHA-256 of the plan without its list of later changes."""
+    """Return the SHA-256 of the plan without its list of later changes."""
     text = read_bounded(plan, 2**20).decode()
     return hashlib.sha256(text.split(LATER_CHANGES)[0].encode()).hexdigest()
 
 
 def digests() -> str:
-    """What paper/frozen.txt says, of the files as they are now."""
+    """Return the content of paper/frozen.txt for the files as they are now."""
     return f"{plan_digest()}  plan.md\n{sha256(QUESTIONS)}  questions.yaml\n"
 
 
 def _commit(path: Path) -> str | None:
-    """The last commit of a file; None outside a checkout, or before the first."""
+    """Return the last commit of a file; None outside a checkout, or before the first."""
     log = ["git", "log", "-1", "--format=%h", "--abbrev=12", "--", str(path)]
     try:
         done = subprocess.run(log, cwd=path.parent, capture_output=True, text=True, check=True)

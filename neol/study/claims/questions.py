@@ -1,4 +1,4 @@
-"""The questions that the paper's claims come down to: paper/questions.yaml and paper/claims.yaml.
+"""The questions that the paper's claims raise: paper/questions.yaml and paper/claims.yaml.
 
 A claim is a quote and the questions that it raises. A question says what is compared with what and
 which answer the paper gives; it is the unit that is judged and counted.
@@ -25,10 +25,10 @@ Method = Literal["bcm", "hebb", "oja", "neat", "neat_wo"]
 Rule = Literal["bcm", "hebb", "oja"]
 RULES: tuple[Rule, ...] = ("bcm", "hebb", "oja")
 Cells = Literal["table3", "table4", "largest", "best", "grid"]
-"""Which cells stand for a method: those of the paper's Table 3 or 4; of the largest population, or
-of the whole grid, the one that is best on the even seeds; or the whole grid."""
+"""Cells that represent a method: those of the paper's Table 3 or 4; the best cell on even seeds, of
+the largest population or of the whole grid; or the whole grid."""
 Expect = Literal["higher", "lower", "equal", "not_lower"]
-"""What the paper says of the first side of a comparison."""
+"""The paper's statement about the first side of a comparison."""
 
 
 class Side(Model):
@@ -36,7 +36,7 @@ class Side(Model):
 
     cells: Cells
     method: Method | None = None
-    """None for the rule that the part is about."""
+    """The method; None for the rule of the part."""
     populations: Several[int] | None = None
     learning_rates: Several[float] | None = None
     """Restrictions of the grid."""
@@ -47,9 +47,9 @@ class _Question(Model):
     ask: str
     """The question in words."""
     family: str | None = None
-    """Holm's correction is over the questions of one family; None where nothing is tested."""
+    """Questions that Holm's correction puts together; None where nothing is tested."""
     by_construction: str | None = None
-    """Why the answer is known without any run."""
+    """Reason why the answer is known without any run."""
     tasks: Several[str]
 
 
@@ -62,14 +62,17 @@ class Difference(_Question):
     scale: Scale = "raw"
     expect: Expect
     margin: PositiveFloat = 0.5
-    """Differences below it are none: in standard deviations of the paper's baseline (raw) or of a
-    run (sd), as a logarithm (spread), or as a share (relative)."""
+    """Differences below it count as none.
+
+    Its unit is the standard deviation of the paper's baseline (raw) or of a run (sd), a logarithm
+    (spread), or a share (relative).
+    """
     rules: Several[Rule] = RULES
-    """The parts."""
+    """Rules, each of which is a part on each task."""
     side: Side
     against: Side
     than_tasks: tuple[str, ...] = ()
-    """Their average is subtracted from that of the tasks."""
+    """Tasks whose average is subtracted from that of `tasks`."""
 
 
 class Interaction(_Question):
@@ -83,7 +86,7 @@ class Interaction(_Question):
 
 
 class Sensitivity(_Question):
-    """How much a rule's mean varies between learning rates, beside that of other rules."""
+    """Variation of a rule's mean between learning rates, compared with other rules'."""
 
     kind: Literal["sensitivity"]
     outcome: Metric
@@ -93,7 +96,7 @@ class Sensitivity(_Question):
 
 
 class Placing(Model):
-    """A rule is among the best so many."""
+    """A rule is among the best `at_most` methods."""
 
     rule: Rule
     at_most: Annotated[int, Field(ge=1, le=2)]
@@ -106,7 +109,7 @@ class Rank(_Question):
     outcome: Metric
     cells: Cells
     ranks: dict[str, Placing]
-    """By task."""
+    """The expected placing on each task."""
     against: Method
 
 
@@ -116,7 +119,7 @@ class Ceiling(_Question):
     kind: Literal["ceiling"]
     level: float
     share: Annotated[float, Field(gt=0, lt=1)]
-    """Of the runs that must end there."""
+    """Share of the runs that must end there."""
 
 
 class Printed(_Question):
@@ -131,14 +134,14 @@ Question = Annotated[
 
 
 class Claim(Model):
-    """What the paper says, where, and which questions that raises."""
+    """A sentence of the paper, its place, and the questions that it raises."""
 
     id: str
     place: str
     quote: str
     questions: Several[str]
     note: str | None = None
-    """What the paper itself says against it."""
+    """Contradiction within the paper itself."""
 
 
 class _Questions(Model):
@@ -153,14 +156,14 @@ File = TypeVar("File", _Questions, _Claims)
 
 
 def load_questions(path: Path = QUESTIONS) -> tuple[Question, ...]:
-    """All questions. Raises UserError in one line for what is wrong in the file."""
+    """Read all questions. Raises UserError for what is wrong in the file."""
     questions = _read(path, _Questions).questions
     _distinct(path, [question.id for question in questions])
     return questions
 
 
 def load_claims(path: Path = CLAIMS, questions: Path = QUESTIONS) -> tuple[Claim, ...]:
-    """All claims. Raises UserError in one line for what is wrong in a file."""
+    """Read all claims. Raises UserError for what is wrong in a file."""
     claims = _read(path, _Claims).claims
     _distinct(path, [claim.id for claim in claims])
     known = {question.id for question in load_questions(questions)}

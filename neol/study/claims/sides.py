@@ -1,4 +1,4 @@
-"""What is known of each side of a comparison: from our runs, and from the paper's tables."""
+"""The two sides of a comparison, from our runs and from the paper's tables."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,22 +22,22 @@ _TABLES = {
 }
 """The paper's table of means by outcome and baseline."""
 _PRINTED = {"final_best": ("table3", "table4"), "score": ("largest",)}
-"""Cells whose means the paper prints."""
+"""Choices of cells whose means the paper prints, by outcome."""
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """The cells that stand for a method on a task."""
+    """The cells that represent a method on a task."""
 
     cells: tuple[Cell, ...]
-    """Empty where the budget has none."""
+    """The cells; empty if the budget has none."""
     one_of: bool
-    """Whether the best of them stands for the method; otherwise all do."""
+    """Whether only the best of them represents the method; otherwise all do."""
     papers: bool
-    """Whether they are what the paper asks about; otherwise what the budget has instead."""
+    """Whether these are the paper's cells; otherwise the budget's substitutes."""
 
     def values(self, of_cell: Mapping[Cell, Floats]) -> Floats:
-        """float64[cells, seeds]; where one is chosen, by the even seeds, its odd ones."""
+        """Return float64[cells, seeds]; a cell chosen by the even seeds has its odd ones."""
         table = np.array([of_cell[cell] for cell in self.cells])
         if not self.one_of or len(self.cells) == 1:
             return table
@@ -54,7 +54,7 @@ class Runs:
     end: int
 
     def tables(self, choices: Sequence[Choice], outcome: Metric) -> list[Floats]:
-        """The runs of each of some choices that are compared with each other."""
+        """Return the runs of each of some choices that are compared with each other."""
         cells = list(dict.fromkeys(cell for choice in choices for cell in choice.cells))
         samples = self.outcomes.samples(cells, outcome)
         of_cell = {
@@ -65,7 +65,7 @@ class Runs:
     def summaries(
         self, sides: Sequence[Sequence[Choice]], outcome: Metric, statistic: Statistic = "mean"
     ) -> list[Summary]:
-        """Each of some sides that are compared with each other: its methods together."""
+        """Summarise each of some sides that are compared: its methods together."""
         tables = iter(self.tables([choice for side in sides for choice in side], outcome))
         return [
             Summary.of_runs(
@@ -76,7 +76,7 @@ class Runs:
 
 
 def choose(outcomes: Outcomes, side: Side, task: str, method: str) -> Choice:
-    """The cells that a side of a question names."""
+    """Return the cells that a side of a question names."""
     grid = outcomes.grid(task, [method])
     largest = max((cell.population for cell in grid), default=0)
     if side.cells in ("table3", "table4"):
@@ -104,7 +104,7 @@ def choose(outcomes: Outcomes, side: Side, task: str, method: str) -> Choice:
 def printed(
     side: Side, outcome: str, task: str, methods: tuple[str, ...], baseline: str
 ) -> Summary | None:
-    """What the paper prints of some methods, in the table that compares them with a baseline."""
+    """Return the paper's numbers of some methods, from the table with this baseline."""
     if side.cells not in _PRINTED.get(outcome, ()) or baseline not in ("neat", "neat_wo"):
         return None
     table = values(_TABLES[outcome, baseline])

@@ -4,20 +4,21 @@ The first of these that applies:
 
 1. holds by construction: the answer follows from a definition.
 2. not asked here: a cell is missing, or has fewer seeds than the first look takes.
-3. too short: fewer generations than the paper's. (Not for a maximum that is reached already.)
-4. mixed: the whole is decided, and a part surely points the other way.
+3. too short: fewer generations than the paper's, unless the question is about a maximum that runs
+   have reached.
+4. mixed: the whole is decided, and a part significantly points the other way.
 5. reproduced: distinguishable from 0 in the direction that the paper claims, after Holm's
    correction, and inside the interval that the paper's numbers predict.
-6. same direction: the same, but outside that interval.
+6. same direction: distinguishable from 0 in that direction, but outside that interval.
 7. not reproduced: distinguishable from 0 in the other direction.
 8. equivalent to zero: the interval of two one-sided tests lies within the margin.
 9. not reproduced: outside the interval that the paper's numbers predict, and on the side of 0;
-   or surely smaller than what the paper's 30 seeds would have found one time in three.
-10. inconclusive.
+   or significantly smaller than the effect that the paper's 30 seeds detect one time in three.
+10. inconclusive: none of these.
 
-Where the paper claims that there is no difference, or no disadvantage, the interval of the
-one-sided tests within the margin reproduces it, one wholly beyond the margin does not. Where the
-parts have rules of their own, all must be for, and one against is enough.
+Where the paper claims no difference, or no disadvantage, it is reproduced if the interval of the
+one-sided tests lies within the margin, and not reproduced if it lies wholly beyond. Where the
+parts have rules of their own, it is reproduced if all are for, and not if one is against.
 """
 
 from collections.abc import Collection
@@ -43,14 +44,14 @@ Verdict = Literal[
 
 
 def expects(question: Question) -> Expect | None:
-    """What the paper says of an effect; None where the parts have rules of their own."""
+    """Return the paper's expectation of an effect; None where parts have their own rules."""
     if isinstance(question, Difference | Interaction | Sensitivity):
         return question.expect
     return None
 
 
 def state_of(ours: Effect, expect: Expect | None, margin: float, alpha: float) -> State:
-    """Which side of 0, or of the margin, the interval lies on."""
+    """Return on which side of 0, or of the margin, the interval lies."""
     low, high = ours.interval(1 - alpha)
     if expect == "equal":
         within = _within(ours, margin, alpha)
@@ -63,7 +64,7 @@ def state_of(ours: Effect, expect: Expect | None, margin: float, alpha: float) -
 
 
 def _within(ours: Effect, margin: float, alpha: float) -> bool:
-    """Two one-sided tests (Schuirmann 1987)."""
+    """Return whether two one-sided tests place the effect within the margin (Schuirmann 1987)."""
     low, high = ours.interval(1 - 2 * alpha)
     return -margin < low and high < margin
 
@@ -75,10 +76,10 @@ def judge(
     p_holm: float,
     alpha: float,
 ) -> tuple[Verdict, str]:
-    """The verdict on runs that are long and many enough, with a reason.
+    """Return the verdict, and a reason, on runs that are long and many enough.
 
-    `states` are those of the parts, `p_holm` is the whole's corrected p-value, `alpha` the level
-    of the look.
+    `states` are the states of the parts, `p_holm` is the corrected p-value of the whole, `alpha`
+    the level of the look.
     """
     if whole is None:
         if "against" in states:
@@ -112,7 +113,7 @@ def _of_difference(
     alpha: float,
     states: Collection[State | None],
 ) -> tuple[Verdict, str]:
-    """The verdict where the paper claims a difference from 0."""
+    """Return the verdict where the paper claims a difference from 0."""
     sign = -1 if lower else 1
     predicted = paper is None or paper.predicts(ours, alpha)
     if p_holm < ALPHA and sign * ours.value > 0:

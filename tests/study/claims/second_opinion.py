@@ -23,7 +23,7 @@ RULES = ["bcm", "hebb", "oja"]
 SIZES, RATES = [50, 100, 200, 300], [0.00025, 0.0025, 0.025, 0.25]
 LEVELS = dict(zip((10, 20, 30), 2 * stats.norm.sf([3.710303, 2.511427, 1.993048]), strict=True))
 Triple = tuple[float, float, float]
-"""Value, standard error, degrees of freedom."""
+"""A moment: value, standard error, degrees of freedom."""
 
 
 class Study:
@@ -52,7 +52,7 @@ class Study:
     # --- Cells ------------------------------------------------------------------------------------
 
     def pick(self, side: dict[str, Any], task: str, method: str) -> tuple[list[Any], bool, bool]:
-        """Cells, whether the best of them is chosen, and whether they are the paper's."""
+        """A choice: cells, whether the best of them is chosen, whether they are the paper's."""
         grid = self.grid(task, method)
         largest = [cell for cell in grid if cell[2] == max(each[2] for each in grid)]
         if side["cells"].startswith("table"):
@@ -247,7 +247,7 @@ class Study:
 
 
 def opinions(study: Study) -> pd.DataFrame:
-    """A row a question: verdict, effect, low, high, p_holm, for, against, open."""
+    """Return a row for each question: verdict, effect, low, high, p_holm, for, against, open."""
     counts = study.cells.size()
     rows = []
     for question in QUESTIONS["questions"]:
@@ -359,7 +359,7 @@ def moments(rows: Any, statistic: str) -> tuple[float, float, float, float]:
 
 
 def printed(outcome: str, setting: str, task: str, methods: Any, base: Any) -> Any:
-    """The paper's mean and spread, each as `moments` has it, by statistic; None without."""
+    """Return the paper's mean and spread in the form of `moments`, by statistic; None if absent."""
     numbers = {("final_best", "neat"): 1, ("final_best", "neat_wo"): 7,
                ("score", "neat"): 2, ("score", "neat_wo"): 8}  # fmt: skip
     settings = {"final_best": ("table3", "table4"), "score": ("largest",)}
@@ -434,7 +434,7 @@ def welch_less(first: Any, second: Any) -> float:
 
 
 def telescope(paper: Triple) -> float:
-    """By Simonsohn: the effect that the paper's study finds with a power of one third."""
+    """Return Simonsohn's effect: the one that the paper's study finds with a power of one third."""
     _, error, df = paper
     critical = stats.t.ppf(0.975, df)
     sizes = np.linspace(0, 4, 4001)

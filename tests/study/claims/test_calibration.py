@@ -1,4 +1,4 @@
-"""How often the whole chain says what is not so, and what is: docs/explanation/verdicts.md."""
+"""Rates of false and true verdicts of the whole chain: docs/explanation/verdicts.md."""
 
 from functools import cache
 from pathlib import Path
@@ -11,7 +11,7 @@ from neol.study.claims.calibration import BEGIN, END, PAGE, TRUTHS, frequencies,
 from neol.study.claims.questions import load_questions
 
 STUDIES = 25
-"""So that a share of 0.05 gives more than 5 of them with a probability of 0.001."""
+"""Number of studies; a share of 0.05 gives more than 5 of them with a probability of 0.001."""
 TOO_MANY = 6 / STUDIES
 NO_EFFECT = ["competitive", "cartpole-ceiling", "cartpole-score-neat", "cartpole-score-neat-wo"]
 """Questions that the world without any effect answers as the paper does."""
@@ -54,7 +54,7 @@ def test_one_good_rule_is_no_ridge_over_rates_or_populations() -> None:
 
 @pytest.mark.slow
 def test_a_faithful_reproduction_can_pass() -> None:
-    """With the paper's tables as truth; the old ledger passed nine parts with 0.025."""
+    """The paper's tables are the truth; the old ledger passed nine parts with 0.025."""
     found = rates("paper")
     shown = found[found["papers"] == "reproduced"]
     assert (shown["contradiction"] < TOO_MANY).all()

@@ -25,7 +25,7 @@ def test_a_difference_is_welch_s() -> None:
 
 
 def test_what_the_paper_prints_gives_the_same() -> None:
-    """Of as many seeds."""
+    """The summaries are of as many seeds as the runs."""
     printed = [Summary.printed([(x.mean(), x.std(ddof=1))], len(x)) for x in (FIRST, SECOND)]
     found, expected = difference(*printed), difference(summary(FIRST), summary(SECOND))
     assert found is not None and expected is not None

@@ -1,4 +1,4 @@
-"""What runs say to a question: choices, ranks, shares and sensitivity."""
+"""Evidence on a question: choices, ranks, shares and sensitivity."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def test_the_best_cell_is_chosen_by_the_even_seeds_and_tested_on_the_odd_ones() 
 
 
 def test_choosing_the_best_of_four_supports_nothing_more_often_than_it_says() -> None:
-    """With the choice on the tested seeds, as the old rule had it, 0.14 to 0.16."""
+    """Choosing on the tested seeds, as the old rule did, would give 0.14 to 0.16."""
     random = np.random.default_rng(0)
     choice, split, same = Choice(CELLS, one_of=True, papers=True), 0, 0
     for _ in range(3000):

@@ -34,7 +34,7 @@ def test_a_question_has_one_row_and_one_for_each_part() -> None:
 
 def test_the_page_has_each_question_with_its_sentences() -> None:
     text = as_markdown(found(), load_claims(), "Budget made up.")
-    assert f"36 questions stand for {len(load_claims())} sentences" in text
+    assert f"{len(load_claims())} sentences of the paper raise 36 questions" in text
     section = text.split("## competitive: reproduced")[1].split("\n## ")[0]
     assert "> NEOL methods are competitive with standard NEAT" in section
     assert section.count("\n| lunar_lander: ") == 3
@@ -52,11 +52,11 @@ def test_latex_has_a_row_for_each_question() -> None:
     assert all(row.count(" & ") == 6 and row.endswith(r" \\") for row in rows)
 
 
-def test_seeds_needed_are_told_where_more_seeds_would_help() -> None:
+def test_seeds_needed_are_stated_where_more_seeds_would_help() -> None:
     (hopper,) = [each for each in found() if each.question.id == "final-neat-hopper"]
     open_ = replace(hopper, verdict="inconclusive", seeds_needed=83.0)
     text = as_markdown([open_], load_claims(), "")
-    assert "The paper's effect takes about 83 seeds." in text
+    assert "Detecting the paper's effect takes about 83 seeds." in text
 
 
 def test_verdicts_are_counted() -> None:

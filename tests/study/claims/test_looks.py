@@ -1,4 +1,4 @@
-"""What each look may spend."""
+"""The levels of each look."""
 
 import numpy as np
 import pytest

@@ -7,7 +7,7 @@ from neol.study.claims.questions import load_claims, load_questions
 
 
 def test_the_frozen_files_are_as_they_were() -> None:
-    """Where they must change, `python -m neol.study.claims.plan` says what frozen.txt then holds.
+    """After a change `python -m neol.study.claims.plan` prints what frozen.txt must hold.
 
     The plan lists the change, its reason and what it changed.
     """

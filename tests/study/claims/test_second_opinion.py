@@ -48,7 +48,7 @@ class Records(Study):
         super().__init__(pd.DataFrame(rows, columns=names), generations, self.at_equal_cost)
 
     def at_equal_cost(self, _: str, task: str, sides: Any) -> Study:
-        """The same runs with their mean best so far over the range that these cells share."""
+        """Return the same runs with their mean best so far over these cells' common range."""
         cells = [cell for some, _, _ in sides for cell in some]
         ends = [
             (run["evaluations"].min(), run["evaluations"].max())
@@ -111,7 +111,7 @@ OUTCOMES = ["final_best", "score", "equal_evaluations"]
 @pytest.mark.slow
 @pytest.mark.parametrize("truth", ["null", "shift", "paper"])
 def test_made_up_studies_give_the_same_verdicts(truth: str) -> None:
-    """With 30 seeds and 500 generations, where every verdict is possible."""
+    """Made-up runs have 30 seeds and 500 generations, where every verdict is possible."""
     made_up = next(made_up_studies(truth))
     ours = as_table(answers(load_questions(), made_up))
     agree(ours, opinions(as_frame(made_up)))

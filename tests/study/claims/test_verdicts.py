@@ -1,4 +1,4 @@
-"""From runs to verdicts, one rule after the other."""
+"""Verdicts from runs, one rule after the other."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -17,12 +17,12 @@ PAPER = next(made_up_studies("paper"))
 Z = np.random.default_rng(0).permutation(np.linspace(-1.7, 1.7, 30))
 """Thirty runs whose mean is 0 and whose deviation is about 1."""
 LANDER = {"bcm": (324, 4), "hebb": (323, 4), "oja": (323, 4), "neat": (312, 8), "neat_wo": (312, 9)}
-"""About what the paper prints."""
+"""Means and deviations close to the paper's."""
 Numbers = Mapping[str, tuple[float, float]]
 
 
 def study(numbers: Numbers, seeds: int = 30, task: str = "lunar_lander") -> MadeUp:
-    """Runs of a task with these means and deviations, whatever the cell; others have none."""
+    """Return runs of a task with these moments in every cell; other methods have none."""
     drawn = {
         (cell, metric): mean + sd * np.roll(Z, place)
         for place, (method, (mean, sd)) in enumerate(numbers.items())
@@ -61,7 +61,7 @@ def test_each_verdict_has_its_runs(numbers: Numbers, expected: str) -> None:
 
 
 def test_an_effect_too_small_for_the_paper_s_seeds_is_not_reproduced() -> None:
-    """Not equivalent, and compatible with the paper's 221 with an error of 124, but too small."""
+    """The effect is not equivalent, compatible with the paper's 221 +- 124, but too small."""
     numbers = dict.fromkeys(("bcm", "hebb", "oja"), (2620, 1))
     made_up = study(numbers | {"neat": (2690, 790), "neat_wo": (2690, 30)}, task="hopper")
     found = answer("final-neat-hopper", made_up)
@@ -104,7 +104,7 @@ def test_an_early_look_needs_more() -> None:
 
 
 def test_missing_tasks_count_in_their_family() -> None:
-    """Which task is run first changes no answer."""
+    """The order in which tasks are run changes no answer."""
     found = answer(NEAT, study(LANDER))
     assert found.p_holm == pytest.approx(6 * found.p)
     assert answer("final-neat-hopper", study(LANDER)).verdict == "not asked here"
@@ -183,14 +183,14 @@ def test_cells_in_which_nothing_moves_are_no_success_of_a_rule() -> None:
     assert [part.near_control for part in found.parts] == [False, True, False]
 
 
-def test_fresh_seeds_are_told_apart() -> None:
+def test_fresh_seeds_are_reported_separately() -> None:
     found = answer(NEAT, study(LANDER))
     assert found.fresh is not None and found.fresh.degrees < 30
     assert answer(NEAT, study(LANDER, 10)).fresh is None
 
 
 def test_seeds_needed_follow_from_the_paper_s_effect() -> None:
-    """By hand: 2.8 of our errors are the paper's effect of 12.0 when n is 30 (2.8 e / 12)^2."""
+    """When n is 30 (2.8 e / 12)^2, 2.8 of our errors are the paper's effect of 12.0."""
     found = answer(NEAT, study(LANDER))
     assert found.whole is not None and found.whole.evidence.ours is not None
     error = found.whole.evidence.ours.error
