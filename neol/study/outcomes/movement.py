@@ -25,7 +25,7 @@ cell is therefore a control: in effect NEAT without weight mutation.
 """
 NEAR_CONTROL_WORDS = (
     "near control: over a whole run the changes of a weight add up to less than "
-    f"{NEAR_CONTROL:g} standard deviations of the initial weights, so this is no effect of learning"
+    f"{NEAR_CONTROL:g} standard deviations of the initial weights, so learning cannot explain it"
 )
 NEAR_CONTROL_MARK = "†"
 """Mark behind the name or value of such a cell."""
@@ -46,7 +46,7 @@ def movement(campaign: Campaign, cell: Cell) -> Movement:
     configuration = campaign.configuration
     by_run = campaign.runs(cell).rows.groupby("seed")["weight_change_mean"]
     per_evaluation = float(by_run.mean().mean())
-    # Without write-back an evaluation's changes are gone when it ends.
+    # Without write-back an evaluation's changes are lost at its end.
     path = float(by_run.sum().mean()) if configuration.plasticity.write_back else per_evaluation
     initial_sd = configuration.neat.weight_init_sd
     return Movement(per_evaluation, path / initial_sd if initial_sd else math.nan)

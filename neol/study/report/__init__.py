@@ -1,1 +1,1 @@
-"""What is told of the results: the page report.html and the paper reproduction.pdf."""
+"""Reports of the results: the page report.html, the paper reproduction.pdf and pages of docs/."""

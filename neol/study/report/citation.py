@@ -1,4 +1,4 @@
-"""What this is, who made it and which paper it reproduces: CITATION.cff."""
+"""The project, its authors and the paper that it reproduces: CITATION.cff."""
 
 from typing import Any
 
@@ -9,6 +9,6 @@ CITATION = ROOT / "CITATION.cff"
 
 
 def citation() -> dict[str, Any]:
-    """The fields of the Citation File Format; its first reference is the paper."""
+    """Return the fields of the Citation File Format; the first reference is the paper."""
     content: dict[str, Any] = read_yaml(CITATION, CITATION.name)
     return content

@@ -1,4 +1,4 @@
-"""What the programs of this folder share: arguments, verified files of the workflow, templates."""
+"""Shared parts of this folder's programs: arguments, verified files of the workflow, templates."""
 
 import argparse
 import hashlib
@@ -23,11 +23,16 @@ MAX_BYTES = 2**27
 
 
 def command_line(module: str, purpose: str | None, work: Callable[..., None], **paths: str) -> None:
-    """Call `work` with a budget's campaign and some paths, each with its meaning, as a program."""
+    """Run `work` as a program, with a budget's campaign and paths from the command line.
+
+    `paths` gives the meaning of each path.
+    """
     parser = argparse.ArgumentParser(prog=f"python -m {module}", description=purpose)
     parser.add_argument("budget")
-    parser.add_argument("--reading", default=SHOWN_READING, help="the reading of its runs")
-    parser.add_argument("--tasks", default="", help="some of the budget's only: cartpole,hopper")
+    parser.add_argument("--reading", default=SHOWN_READING, help="the reading of the budget's runs")
+    parser.add_argument(
+        "--tasks", default="", help="only these tasks of the budget: cartpole,hopper"
+    )
     for name, meaning in paths.items():
         parser.add_argument(name, type=Path, help=meaning)
     arguments = vars(parser.parse_args())
@@ -38,7 +43,7 @@ def command_line(module: str, purpose: str | None, work: Callable[..., None], **
 
 
 def read(path: Path) -> bytes:
-    """The content of a file that the workflow makes. Raises UserError where there is none."""
+    """Read a file that the workflow makes. Raises UserError if it is missing."""
     try:
         return read_bounded(path, MAX_BYTES)
     except UserError as error:
@@ -46,10 +51,10 @@ def read(path: Path) -> bytes:
 
 
 def verified(output: Path) -> tuple[bytes, Sidecar]:
-    """The content of a table or figure, and the sidecar that says what made it.
+    """Read a table or figure, and the sidecar that says what made it.
 
-    Raises UserError where one is missing, or the file, or one that was made with it (a table's
-    LaTeX, a figure's PDF), is not the one that the sidecar is about.
+    Raises UserError if one is missing, or if the file, or one that was made with it (a table's
+    LaTeX, a figure's PDF), differs from the one that the sidecar describes.
     """
     content = read(output)
     sidecar = Sidecar.read(output.with_suffix(".json"))
@@ -58,35 +63,35 @@ def verified(output: Path) -> tuple[bytes, Sidecar]:
         if hashlib.sha256(read(file)).hexdigest() != sidecar.outputs.get(name):
             raise UserError(
                 f"{file}: changed since {output.stem}.json was written; "
-                "remove both, and `make report` makes them anew"
+                "remove both, and `make report` makes them again"
             )
     return content, sidecar
 
 
 def verified_frame(path: Path) -> pd.DataFrame:
-    """A table's cells, from its CSV. Raises UserError as `verified` does."""
+    """Read a table's cells from its CSV. Raises UserError as `verified` does."""
     content, _ = verified(path)
     return pd.read_csv(io.BytesIO(content))
 
 
 def verified_table(campaign: Campaign, figures: Path, name: str) -> tuple[Table, Sidecar]:
-    """A table made anew, which is the one that its file holds.
+    """Make a table again, and check that its file holds the same.
 
-    Raises UserError where that is not so, or as `verified` does.
+    Raises UserError if it does not, or as `verified` does.
     """
     makers = agreement if name.startswith("numbers") else paper_tables
     table: Table = getattr(makers, name)(campaign)
     file = figures / f"{name}.csv"
     content, sidecar = verified(file)
     if content != table.csv():
-        raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it anew")
+        raise UserError(f"{file}: not what the records say now; `{sidecar.command}` makes it again")
     return table, sidecar
 
 
 def render(template: str, **values: object) -> str:
-    """One of the templates here, filled in; what values say is escaped in HTML.
+    """Fill in one of the templates of this folder; values are escaped in HTML.
 
-    Raises jinja2.UndefinedError for a name that no value has.
+    Raises jinja2.UndefinedError for a name without a value.
     """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("neol.study.report", "."),

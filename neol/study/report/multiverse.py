@@ -1,4 +1,4 @@
-"""The multiverse as docs/readings.md tells it: sentences, a table, pictures and numbers."""
+"""The multiverse in docs/readings.md: sentences, a table, pictures and numbers."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -21,9 +21,9 @@ class Multiverse:
     def __init__(self, results: Path = RESULTS) -> None:
         self.answers: Answers = answers(results)
         self.tasks = [task for task, count in self.answers.readings.items() if count]
-        """Those that have answers."""
+        """Tasks that have answers."""
         self.whole = len(universes())
-        """Readings of the grid."""
+        """Number of readings in the grid."""
 
     def counts(self) -> list[str]:
         """Say under how many readings a task's questions have answers: 12 of 32 (CartPole)."""
@@ -74,7 +74,7 @@ class Multiverse:
 
 
 def picture_name(task: str) -> str:
-    """The file of a task's specification curves."""
+    """Return the file name of a task's specification curves."""
     return f"readings-multiverse-{task}.png"
 
 

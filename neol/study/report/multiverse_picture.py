@@ -13,7 +13,7 @@ from neol.study.campaign.search import BASELINES
 from neol.study.outcomes.multiverse import METRICS
 
 CURVE_HEIGHT, MARKS_HEIGHT = 0.9, 0.5
-"""Inches of a panel's two parts."""
+"""Heights of a panel's two parts, in inches."""
 
 
 def specification_curve(table: pd.DataFrame, task: str) -> Figure:

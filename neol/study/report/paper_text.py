@@ -1,8 +1,8 @@
-"""The numbers in the text of paper/reproduction.tex, each of a file that records made.
+"""The numbers in the text of paper/reproduction.tex, each from a file made from records.
 
-The text writes \\result{table1/hopper/bcm/here} for what Table 1 prints of BCM on Hopper, with
-`paper` at its end for the paper's own value beneath it, and \\result{cost/hopper/runs} for what was
-spent. What a budget does not have (a task, say) is printed as a dash.
+The text writes \\result{table1/hopper/bcm/here} for BCM on Hopper in Table 1, with `paper` at
+its end for the paper's own value beneath it, and \\result{cost/hopper/runs} for costs. A
+value that a budget does not have, such as one of a missing task, is printed as a dash.
 """
 
 import math
@@ -42,7 +42,7 @@ TABLES_TOGETHER = {
     "fitness": ("table1", "table3", "table4", "table5", "table7"),
     "score": ("table2", "table6", "table8"),
 }
-"""Which of them each of the text's own tables puts together."""
+"""Tables that each of the text's own tables puts together."""
 
 _DEFINITIONS = r"""
 \makeatletter
@@ -53,10 +53,10 @@ _DEFINITIONS = r"""
 
 
 def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
-    """Every number that the text may show, by name, as LaTeX.
+    """Return every number that the text may show, by name, as LaTeX.
 
-    Raises UserError where a file is missing from the folder `figures`, or is not what its sidecar
-    or the records say.
+    Raises UserError if a file is missing from the folder `figures`, or differs from its sidecar or
+    the records.
     """
     found = dict(_of_configuration(campaign.configuration))
     found |= {f"caption/{each.name}": escape(each.caption) for each in EXHIBITS}
@@ -74,7 +74,7 @@ def numbers(campaign: Campaign, figures: Path) -> dict[str, str]:
 
 
 def results_tex(campaign: Campaign, figures: Path) -> str:
-    """What the paper inputs: its numbers, and macros for what is no number."""
+    """Return the paper's input file: its numbers, and macros for sentences and names."""
     project = citation()
     configuration = campaign.configuration
     texts = {
@@ -102,15 +102,15 @@ def results_tex(campaign: Campaign, figures: Path) -> str:
 
 
 def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
-    """Return the sentences that docs/results.md has too."""
+    """Return the sentences that docs/results.md also has."""
     configuration = campaign.configuration
     effects = verified_frame(figures / "beyond_effects.csv")
     sensitivity = verified_frame(figures / "beyond_sensitivity.csv")
     selection = verified_frame(figures / "beyond_selection.csv")
     ledger = verified_frame(figures / "claims.csv")
     return {
-        "toldapart": _items(words.differences(effects, FITNESS, "neat")),
-        "toldapartablation": _items(words.differences(effects, FITNESS, "neat_wo")),
+        "differences": _items(words.differences(effects, FITNESS, "neat")),
+        "differencesablation": _items(words.differences(effects, FITNESS, "neat_wo")),
         "inshort": "".join(
             rf"\item \textbf{{{escape(point.lead)}}} {escape(point.text.replace('`', ''))} "
             for point in in_short(ledger, effects, selection)
@@ -118,7 +118,7 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(levels_reached(selection)),
         "plan": escape(frozen_plan().replace("`", "")),
-        "toldbysensitivity": _items(words.sensitive_constants(sensitivity)),
+        "sensitiveconstants": _items(words.sensitive_constants(sensitivity)),
         "trials": escape(describe_trials(configuration)),
         "onespecies": _items(words.one_species(campaign)),
     }
@@ -148,7 +148,7 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
 
 
 def _printed(table: Table) -> Iterator[tuple[str, str]]:
-    """Each entry as the table prints it, and the paper's beneath it."""
+    """Yield each entry as the table prints it, and the paper's beneath it."""
     rows = table.frame.groupby("task", sort=False)["method"]
     ours = [line for line in table.lines if not line.is_beneath]
     papers = [line for line in table.lines if line.label == "paper"]
@@ -159,7 +159,7 @@ def _printed(table: Table) -> Iterator[tuple[str, str]]:
 
 
 def _notes(tables: Iterable[Table]) -> str:
-    """What stands beneath these tables, each note once; the text has the contradictions apart."""
+    """Return the notes of these tables, each once, without contradictions of the paper."""
     whose: dict[str, list[str]] = {}
     for table in tables:
         for note in table.notes:
@@ -189,7 +189,7 @@ def _of_claims(parts: pd.DataFrame) -> dict[str, str]:
 
 
 def _number(value: float) -> str:
-    """Whole numbers in full, others with four significant digits, as LaTeX."""
+    """Format whole numbers in full, others with four significant digits, as LaTeX."""
     if math.isnan(value):
         return "--"
     if math.isinf(value):
@@ -214,5 +214,5 @@ if __name__ == "__main__":
         __doc__,
         write_results_tex,
         figures="the folder of the budget's tables",
-        output="what the paper inputs",
+        output="the file that the paper inputs",
     )

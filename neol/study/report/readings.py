@@ -1,7 +1,7 @@
-"""The page docs/readings.md: which readings make the paper's baselines, by docs/readings-plan.md.
+"""The page docs/readings.md: readings that reproduce the paper's baselines (docs/readings-plan.md).
 
-`readings.md.j2` is its text. `--confirm` prints instead what the confirmation is to run: the
-arguments of calls of snakemake.
+`readings.md.j2` is its text. `--confirm` prints the arguments of the calls of snakemake that run
+the confirmation instead.
 """
 
 import argparse
@@ -31,18 +31,18 @@ from neol.study.report.multiverse import Multiverse, picture_name
 from neol.study.report.readings_picture import readings_picture
 
 NUMBERS = [(method, quantity) for method in BASELINES for quantity in QUANTITIES]
-"""What the paper prints of the baselines, each with its standard deviation."""
+"""The paper's four numbers of the baselines, each with a standard deviation."""
 
 
 class Stage:
-    """What there is of the screening or of the confirmation."""
+    """The runs of the screening or of the confirmation, compared with the paper."""
 
     def __init__(self, budget: str, readings: Sequence[str], results: Path) -> None:
         self.budget = budget
         self.seeds = load_configuration(budget).budget.seed_count
         self.table, self.sources, self.core_hours = comparisons(readings, budget, results)
         self.ranked = ranking(self.table, self.seeds)
-        """The readings all of whose runs are there."""
+        """Readings that have all their runs."""
 
     @property
     def runs(self) -> int:
@@ -50,11 +50,11 @@ class Stage:
 
     @property
     def complete(self) -> list[str]:
-        """Readings all of whose runs are there, the nearest first."""
+        """Return the readings that have all their runs, nearest first."""
         return list(dict.fromkeys(self.ranked["reading"]))
 
     def numbers(self) -> list[list[str]]:
-        """A head, a row for each complete reading, the nearest first, and the paper's.
+        """Return a head, a row for each complete reading, nearest first, and the paper's row.
 
         Each has its distance, and the means of the four numbers, with the best of the generation
         and so far; bold where compatible.
@@ -80,19 +80,19 @@ class Stage:
         ]
 
     def compatible(self) -> list[str]:
-        """The compatible readings, each with its counting, the nearest first."""
+        """Return the compatible readings, each with its counting, nearest first."""
         chosen = self.ranked[self.ranked["compatible"]]
         return [f"`{row.reading}` (best {row.counting})" for row in chosen.itertuples()]
 
     def nearest(self) -> str:
-        """The reading with the smallest distance and what that is; nothing without any."""
+        """Return the nearest reading with its distance; empty without readings."""
         if self.ranked.empty:
             return ""
         row = self.ranked.iloc[0]
         return f"`{row['reading']}` (best {row['counting']}), {row['distance']:.1f} SDs away"
 
     def unexplained(self) -> list[str]:
-        """The paper's numbers that no complete reading is compatible with, by counting."""
+        """Return the paper's numbers that no complete reading is compatible with, by counting."""
         here = self.table[self.table["reading"].isin(self.complete)]
         places = ["method", "quantity", "counting"]
         explained = here.groupby(places, sort=False)["compatible"].any().reset_index()
@@ -113,16 +113,16 @@ def _mean(number: Mapping[Any, Any]) -> str:
 
 
 class Page(NamedTuple):
-    """The page as Markdown, and what its pictures show."""
+    """The page as Markdown, and the content of its pictures."""
 
     text: str
     decisive: Stage
-    """The stage that decides: the confirmation where it has runs."""
+    """The stage that decides: the confirmation if it has complete readings."""
     multiverse: Multiverse
 
 
 def page(results: Path = RESULTS) -> Page:
-    """What the page says of the records that are there."""
+    """Return the page for the present records."""
     multiverse = Multiverse(results)
     order = list(candidates())
     screening = Stage(SCREENING, order, results)
@@ -153,9 +153,9 @@ def _described(name: str) -> dict[str, Any]:
 
 
 def write_page(output: Path, results: Path = RESULTS) -> None:
-    """Write the page and beside it its pictures, of the readings whose runs are all there.
+    """Write the page, and next to it pictures of the readings that have all their runs.
 
-    Raises UserError where no candidate has all its runs.
+    Raises UserError if no candidate has all its runs.
     """
     text, stage, multiverse = page(results)
     if not stage.complete:
@@ -170,7 +170,7 @@ def write_page(output: Path, results: Path = RESULTS) -> None:
 
 
 def confirmation_calls(results: Path = RESULTS) -> list[str]:
-    """The arguments of the calls of snakemake that make the confirmation's records."""
+    """Return the arguments of the calls of snakemake that make the confirmation's records."""
     screening = Stage(SCREENING, list(candidates()), results)
     return calls(CONFIRMATION, to_confirm(screening.ranked, DEFAULT_READING))
 
@@ -178,7 +178,9 @@ def confirmation_calls(results: Path = RESULTS) -> list[str]:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(prog="python -m neol.study.report.readings")
     parser.add_argument("output", type=Path, nargs="?", default=Path("docs/readings.md"))
-    parser.add_argument("--confirm", action="store_true", help="print what is to be confirmed")
+    parser.add_argument(
+        "--confirm", action="store_true", help="print the calls that run the confirmation"
+    )
     arguments = parser.parse_args()
     with exit_codes():
         if arguments.confirm:

@@ -14,7 +14,7 @@ MARKERS = dict(zip(COUNTINGS, ("o", "s"), strict=True))
 
 
 def readings_picture(table: pd.DataFrame) -> Figure:
-    """A panel for each of the paper's four means, a row for each reading in the table's order.
+    """Draw a panel for each of the paper's four means, a row for each reading in table order.
 
     A band is the paper's mean ± SD. A mark is our mean with the 99% predictive interval of the
     mean of 30 further runs; filled marks count the best of the generation, open ones the best so

@@ -1,4 +1,4 @@
-"""The champions that the report shows: of each task the one that does best in fresh episodes."""
+"""The champions that the report shows: each task's best in fresh episodes."""
 
 import math
 from collections.abc import Iterator
@@ -28,35 +28,35 @@ class Shown(Model):
 
     task: str
     record: str
-    """Path from the root."""
+    """Path of the record from the root."""
     seed: int
     title: str
-    """Task, method, configuration, seed."""
+    """Title of task, method, configuration and seed."""
     nodes: int
-    """Hidden and output ones."""
+    """Number of hidden and output nodes."""
     connections: int
-    """Enabled ones."""
+    """Number of enabled connections."""
     fitness: float
     held_out: float
     """Mean return of its fresh episodes."""
     episode_return: float | None
-    """Of the filmed episode, the median one of these; null where it was not filmed."""
+    """Return of the filmed episode, the median of the fresh ones; null if it was not filmed."""
     not_filmed: str | None
-    """Why."""
+    """Reason why there is no film."""
     network: bytes
-    """Drawn, as PNG."""
+    """Drawing of the network, PNG."""
     film: bytes | None
-    """Of that episode, as GIF."""
+    """Film of that episode, GIF."""
 
 
 class Showcase(Model):
-    """What the report shows of a budget's champions: the content of champions.json."""
+    """A budget's champions in the report: the content of champions.json."""
 
     champions: tuple[Shown, ...]
 
 
 def best_champion(campaign: Campaign, task: str) -> tuple[Cell, int] | None:
-    """Cell and seed of a task's highest held-out mean, among the cells of Table 1; None without."""
+    """Return cell and seed of a task's highest held-out mean in Table 1's cells; None without."""
     found = [
         (mean, cell, seed)
         for (of, _), cells in candidates(campaign.configuration, "table3").items()
@@ -69,7 +69,7 @@ def best_champion(campaign: Campaign, task: str) -> tuple[Cell, int] | None:
 
 
 def show(campaign: Campaign, results: Path) -> Iterator[Shown]:
-    """The best champion of each of a budget's tasks, drawn and filmed."""
+    """Draw and film the best champion of each of a budget's tasks."""
     records = {
         (block.cell, seed): block.record
         for block in blocks(campaign.configuration)
@@ -113,7 +113,7 @@ def _shown(player: Player, cell: Cell, record: Path) -> Shown:
 
 
 def _median_episode(player: Player) -> int:
-    """The seed of the held-out episode in the middle by return, the lower of two."""
+    """Return the seed of the held-out episode of median return, the lower of two."""
     returns = np.array(player.recorded_returns)
     order = np.argsort(returns, kind="stable")[: np.isfinite(returns).sum()]
     return player.held_out_seeds[int(order[(len(order) - 1) // 2])]

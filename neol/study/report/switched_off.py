@@ -1,8 +1,8 @@
 """Champions of the rules played again with plasticity switched off, in their held-out episodes.
 
-Each meets the first of the episodes of its record, so both returns are of the same episodes. These
-are the champions of the cells that Tables 3 and 4 choose among: a whole grid would take many times
-as long as all tables together.
+Each plays the first episodes of its record again, so both returns are of the same episodes. The
+champions are those of the cells that Tables 3 and 4 choose among: a whole grid would take many
+times as long as all tables together.
 """
 
 from collections.abc import Iterator
@@ -19,13 +19,13 @@ from neol.study.outcomes.chosen_cells import candidates
 from neol.study.report.common import command_line
 
 EPISODES = 10
-"""Of each champion. A cell of ten seeds gives a hundred pairs, in a second to half a minute."""
+"""Episodes of each champion. A cell of ten seeds gives 100 pairs, in 1 to 30 seconds."""
 COLUMNS = ["task", "method", "population", "learning_rate", "seed", "episodes", "plastic", "fixed"]
-"""`plastic` and `fixed` are mean returns with plasticity and without."""
+"""Columns of the table; `plastic` and `fixed` are mean returns with plasticity and without."""
 
 
 def switched_off(campaign: Campaign, results: Path = RESULTS) -> Iterator[tuple[object, ...]]:
-    """A row of `COLUMNS` for each run of a method with a rule; NaN where all episodes failed."""
+    """Yield a row of `COLUMNS` for each run of a method with a rule; NaN if all episodes failed."""
     configuration = campaign.configuration
     shown = {
         cell

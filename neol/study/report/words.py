@@ -61,9 +61,9 @@ def best_cells(cells_of_figure: pd.DataFrame) -> list[str]:
 
 
 def effects_table(effects: pd.DataFrame, against: str) -> list[list[str]]:
-    """Differences from a method: a head, then a row for each outcome and task.
+    """Return differences from a method: a head, then a row for each outcome and task.
 
-    Each with its interval and A12; bold is distinguishable, unless the rule is near control.
+    Each has its interval and A12; bold is distinguishable, unless the rule is near control.
     """
     here = effects[(effects["against"] == against) & (effects["task"] != "all")]
     methods = list(dict.fromkeys(here["method"]))
@@ -153,7 +153,7 @@ def _entry(row: Mapping[Any, Any]) -> str:
 
 
 def _side(row: Mapping[Any, Any]) -> str:
-    """What an interval of a difference lets one say."""
+    """Return what the interval of a difference supports: higher, lower or not distinguishable."""
     if not row["seeds"]:
         return "cannot be compared with"
     if row["low"] > 0:
@@ -162,7 +162,7 @@ def _side(row: Mapping[Any, Any]) -> str:
 
 
 def _difference(row: Mapping[Any, Any]) -> str:
-    """A difference of means with its interval, and the mark of a rule that is near control."""
+    """Format a difference of means with its interval, and the mark of a rule near control."""
     value, low, high = (three_figures(row[name]) for name in ("difference", "low", "high"))
     return f"{value} [{low}, {high}]{_mark(row)}"
 

@@ -48,7 +48,7 @@ def test_predictive_intervals_hold_thirty_further_runs_as_often_as_they_say() ->
     assert (inside / trials).tolist() == pytest.approx([0.99, 0.99], abs=0.008)
 
 
-def test_a_reading_that_comes_to_the_papers_numbers_is_compatible(tmp_path: Path) -> None:
+def test_a_reading_with_the_papers_numbers_is_compatible(tmp_path: Path) -> None:
     write_baseline(tmp_path, "default", "neat", PAPER["neat"])
     write_baseline(tmp_path, "default", "neat_wo", PAPER["neat_wo"])
     table, sources, core_hours = comparisons(["default"], SCREENING, tmp_path)

@@ -87,7 +87,7 @@ def test_a_difference_may_be_given() -> None:
 
 
 def test_deviations_that_differ_by_f() -> None:
-    """Where the interval of the ratio touches 1 at a level, the p-value is one minus it."""
+    """The p-value is one minus the level at which the interval of the ratio touches 1."""
     first, second = Moments.of(FIRST), Moments.of(SECOND)
     p = sd_p(first, second)
     at_level = sd_ratio(first, second, 1 - p)

@@ -167,7 +167,7 @@ class TestIntervals:
 
     @pytest.mark.parametrize("seeds", [5, 10, 30])
     def test_coverage_of_the_mean_is_near_nominal(self, seeds: int) -> None:
-        """Where the plain percentile interval covers 83% for 5 seeds, and Student's 95%."""
+        """The plain percentile interval covers 83% for 5 seeds, and Student's 95%."""
         normal = random(seeds)
         covered = 0
         for _ in range(400):

@@ -1,4 +1,4 @@
-"""A made-up campaign on all four tasks, and what the workflow makes of it."""
+"""A made-up campaign on all four tasks, and the workflow's files of it."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from tests.helpers.made_up import configuration, write_campaign
 
 @pytest.fixture(scope="session")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
-    """All four tasks; every run ends at 7."""
+    """Return a campaign on all four tasks; every run ends at 7."""
     results = tmp_path_factory.mktemp("results")
     budget = configuration(tasks=tuple(TASK_LABELS), seeds=5)
     write_campaign(results, budget, {}, otherwise=7.0)
@@ -29,7 +29,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 
 @pytest.fixture(scope="session")
 def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the page and the paper read of these runs; the ledger, grey pictures."""
+    """Write the files that the page and the paper read of these runs: ledger and grey pictures."""
     folder = tmp_path_factory.mktemp("figures")
     for number in range(1, 9):
         getattr(paper_tables, f"table{number}")(campaign).write(folder)

@@ -1,4 +1,4 @@
-"""What returns mean in words."""
+"""The meaning of returns in words."""
 
 import pandas as pd
 import pytest

@@ -117,7 +117,7 @@ def test_text_has_no_typed_number() -> None:
 
 
 def test_a_typed_number_is_found() -> None:
-    assert typed_numbers(r"\begin{document} BCM comes to 324.3 on Hopper. \end{document}") == [
+    assert typed_numbers(r"\begin{document} BCM reaches 324.3 on Hopper. \end{document}") == [
         "324.3"
     ]
 
@@ -144,5 +144,5 @@ def test_macros_are_there(campaign: Campaign, figures: Path) -> None:
     text = results_tex(campaign, figures)
     for macro in ("figures", "projecttitle", "papertitle", "foreachtask", "contradictions"):
         assert rf"\newcommand{{\{macro}}}" in text
-    for sentences in ("toldapart", "toldapartablation", "selectionbias", "toldbysensitivity"):
+    for sentences in ("differences", "differencesablation", "selectionbias", "sensitiveconstants"):
         assert rf"\newcommand{{\{sentences}}}{{\item " in text

@@ -28,8 +28,8 @@ def test_a_screening_names_what_is_to_be_confirmed(screened: Path) -> None:
     assert stage.complete == ["rare_mutation", "default"]
     assert "**Not yet confirmed**: this is the screening, with 3 seeds." in text
     assert "Compatible in it: `rare_mutation` (best of the generation)," in text
-    assert "**Not reached**: `small_mutation`, `removal`," in text
-    assert "To be confirmed are `rare_mutation`, `default`." in text
+    assert "**Not yet run**: `small_mutation`, `removal`," in text
+    assert "To be confirmed: `rare_mutation`, `default`." in text
     assert "## Confirmation" not in text
     assert "9 runs of the screening (0.0 core-hours)" in text
     (row,) = (line for line in text.splitlines() if line.startswith("| `default` | 2"))
@@ -46,7 +46,7 @@ def test_the_confirmation_alone_decides(screened: Path) -> None:
     assert stage.budget == CONFIRMATION
     assert "**Compatible** in the confirmation with 10 other seeds: none." in text
     assert (
-        "**What none explains**: NEAT, final best of the generation; NEAT, mean best of the "
+        "**Explained by none**: NEAT, final best of the generation; NEAT, mean best of the "
         "generation; NEAT, final best so far; NEAT, mean best so far."
     ) in " ".join(text.split())
     assert "## Confirmation" in text and "## Screening" in text
@@ -71,7 +71,7 @@ def test_without_a_complete_candidate_there_is_no_page(tmp_path: Path) -> None:
     assert line.endswith("no candidate of the search has all its runs; `make search`")
 
 
-def test_the_multiverse_is_told_where_a_reading_has_all_its_runs(screened: Path) -> None:
+def test_the_multiverse_is_shown_where_a_reading_has_all_its_runs(screened: Path) -> None:
     assert "multiverse: does" not in page(screened).text
     first, other = universes()[:2]
     ends = {"neat": 100.0, "neat_wo": 110.0, "hebb": 120.0, "oja": 100.0, "bcm": 90.0}

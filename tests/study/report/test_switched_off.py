@@ -1,4 +1,4 @@
-"""Champions played again without plasticity, beside Gymnasium's own environment."""
+"""Champions played again without plasticity, compared with Gymnasium's own environment."""
 
 import itertools
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_returns_are_those_of_the_plain_loop_that_never_learns() -> None:
-    """Of the first champions of `demo` on CartPole at the larger rate, in the same episodes."""
+    """Plays the first champions of `demo` on CartPole at the larger rate, in the same episodes."""
     campaign = Campaign(select("demo", "cartpole"), ROOT / RESULTS)
     rows = pd.DataFrame(
         itertools.islice(switched_off(campaign, ROOT / RESULTS), 12), columns=COLUMNS

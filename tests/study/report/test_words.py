@@ -1,4 +1,4 @@
-"""What is said of results: never more than an interval allows."""
+"""Sentences on results never say more than an interval allows."""
 
 import math
 from typing import Any
@@ -35,7 +35,7 @@ def test_a_rule_is_higher_or_lower_only_where_its_interval_is(
     assert words.differences(table, FITNESS, "neat") == [f"Hopper: BCM {said}."]
 
 
-def test_rules_are_told_side_by_side() -> None:
+def test_rules_are_listed_side_by_side() -> None:
     rows = [
         effects(method="bcm", difference=9.0, low=8.0, high=10.0),
         effects(method="hebb"),
