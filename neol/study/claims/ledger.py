@@ -1,6 +1,7 @@
 """The ledger: the paper's questions with their answers, as a table, a page and LaTeX."""
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -157,6 +158,11 @@ def _summary(answer: Answer) -> list[str]:
     ]
 
 
+def _as_text(text: str) -> str:
+    """Return text of one line in which Markdown finds no markup, HTML included."""
+    return re.sub(r"([\\`*_\[\]<>|~#])", r"\\\1", " ".join(text.split()))
+
+
 def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
     question = answer.question
     reason = f" ({answer.reason})" if answer.reason else ""
@@ -179,7 +185,7 @@ def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
     lines.append(_grid(["part", "is", "effect [interval]", "the paper's effect"], rows))
     if any(part.near_control for part in answer.parts):
         lines.append(f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}.")
-    lines += [f"> {each.quote} ({each.place})" for each in quotes]
+    lines += [f"> {_as_text(each.quote)} ({_as_text(each.place)})" for each in quotes]
     return lines
 
 

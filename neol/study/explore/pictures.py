@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from neol.base.errors import UserError
 from neol.champions.player import Player, Trace
 from neol.pictures.labels import drawn, method_label, task_label
-from neol.pictures.style import GREY, WIDTH, drawing, styles
+from neol.pictures.style import GREY, WIDTH, drawing, footer, styles
 from neol.run.record import DOCUMENTATION
 from neol.study.explore.panel import load_record
 from neol.study.figures.plots import draw_curve
@@ -116,7 +116,28 @@ def switched_off(player: Player, *, step: int, episodes: int) -> Figure:
         weight.set_ylabel("Mean |weight − first weight|")
         _pairs(returns, plastic, frozen, step)
         figure.legend(loc="outside upper center", ncols=2)
+        footer(figure, effect_of_learning(plastic, frozen, step))
     return figure
+
+
+def effect_of_learning(plastic: Sequence[Trace], frozen: Sequence[Trace], step: int) -> str:
+    """Say in a sentence what plasticity after a step did to a champion's return."""
+    gains = [
+        learned.episode_return - stopped.episode_return
+        for learned, stopped in zip(plastic, frozen, strict=True)
+    ]
+    low, high = mean_interval(np.array(gains))
+    interval = f"{np.mean(gains):+.1f} [{low:+.1f}, {high:+.1f}]"
+    if low <= 0 <= high:
+        return (
+            f"These {len(gains)} episodes do not show that plasticity after step {step} changes "
+            f"this champion's return (mean change {interval})."
+        )
+    verb = "raises" if low > 0 else "lowers"
+    return (
+        f"In {len(gains)} episodes plasticity after step {step} {verb} this champion's return "
+        f"(mean change {interval})."
+    )
 
 
 def draw_outcomes(runs: pd.DataFrame, *, task: str, budget: str, outcome: str, by: str) -> Figure:

@@ -26,6 +26,9 @@ _SPECIAL = {
 
 
 def escape(text: str) -> str:
-    """Escape text for LaTeX; hyphens that mean minus become minus signs, all others stay."""
-    escaped = "".join(_SPECIAL.get(character, character) for character in text)
+    """Escape text for LaTeX; hyphens that mean minus become minus signs, all others stay.
+
+    Line breaks become spaces, because a blank line would end a paragraph or a macro's argument.
+    """
+    escaped = "".join(_SPECIAL.get(character, character) for character in " ".join(text.split()))
     return re.sub(r"(?<![\w-])-(?=\d)|(?<= )-(?= )|(?<=\de)-(?=\d)", "$-$", escaped)

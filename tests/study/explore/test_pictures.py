@@ -1,6 +1,7 @@
 """Pictures to play with: what they show is what the records and episodes hold."""
 
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,12 @@ from neol.base.errors import UserError
 from neol.run.catalogue import table_of_runs
 from neol.run.runner import run_block
 from neol.study.explore.panel import load_player
-from neol.study.explore.pictures import draw_learning_curves, draw_outcomes, switched_off
+from neol.study.explore.pictures import (
+    draw_learning_curves,
+    draw_outcomes,
+    effect_of_learning,
+    switched_off,
+)
 from neol.study.outcomes.statistics import mean_interval
 from tests.helpers.made_up import configuration, write_campaign
 from tests.helpers.runs import run_spec
@@ -104,3 +110,24 @@ def test_plasticity_switched_off_in_mid_episode(tmp_path: Path) -> None:
     low, high = mean_interval(y - x)
     gain = f"Stopping gains {np.mean(y - x):+.1f}\n(95%: {low:+.1f} to {high:+.1f})"
     assert returns.get_title() == gain.replace("-", "−")
+
+
+class _Played(NamedTuple):
+    episode_return: float
+
+
+@pytest.mark.parametrize(
+    ("gains", "said"),
+    [
+        ([10.0, 12.0, 11.0], "plasticity after step 5 raises this champion's return"),
+        ([-10.0, -12.0, -11.0], "plasticity after step 5 lowers this champion's return"),
+        ([-10.0, 12.0, 1.0], "do not show that plasticity after step 5 changes"),
+        ([0.0, 0.0, 0.0], "do not show that plasticity after step 5 changes"),
+    ],
+)
+def test_the_effect_of_learning_is_said_with_its_interval(gains: list[float], said: str) -> None:
+    plastic: Any = [_Played(gain) for gain in gains]
+    frozen: Any = [_Played(0.0) for _ in gains]
+    sentence = effect_of_learning(plastic, frozen, 5)
+    assert said in sentence
+    assert f"mean change {sum(gains) / 3:+.1f} [" in sentence

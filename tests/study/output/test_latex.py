@@ -31,3 +31,7 @@ def test_all_that_is_quoted_can_be_set() -> None:
         texts += [claim.quote, claim.place]
     strange = {each for text in texts for each in escape(text) if not each.isascii()}
     assert strange <= KNOWN
+
+
+def test_blank_lines_end_no_paragraph() -> None:
+    assert escape("one\n\ntwo  three") == "one two three"
