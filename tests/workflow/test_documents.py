@@ -28,8 +28,9 @@ PLANNED_ONLY = {
     r"\bmake (environment|check|test|docs|lab|search|bench|lock)\b": r"make --dry-run \1",
     r"^snakemake (?=.*budget=(?:desk|paper))(?!.*--dry-run)": "snakemake --dry-run ",
     r"--profile profiles/slurm": "",
+    r"--minutes \d+": "--minutes 0.1",
 }
-"""Replacements in commands of the documents."""
+"""Replacements in commands of the documents, for those that take long."""
 
 
 @dataclass(frozen=True)
