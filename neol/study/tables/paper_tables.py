@@ -281,9 +281,9 @@ def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
     if rules <= neat:
         return []
     return [
-        f"Selection favours the rules: a rule's cell is the best of up to {rules}, NEAT's the best "
-        f"of {neat}, chosen by the same seeds that are shown and tested. In a simulation of equal "
-        "methods (normal outcomes, 30 seeds, the best of 4 cells against 1) the test at "
+        f"Selection favours rules: a rule's cell is the best of up to {rules}, NEAT's of {neat}, "
+        "chosen by the same seeds that are shown and tested. In a simulation of equal methods "
+        "(normal outcomes, 30 seeds, the best of 4 cells against 1) the test at "
         f"{ALPHA} finds the rule higher in {CHOSEN_OF_FOUR:.1%} of cases instead of "
         f"{ALPHA / 2:.1%}."
     ]
