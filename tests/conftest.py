@@ -1,8 +1,12 @@
 """Fixtures that several tests share, and the order of tests."""
 
+import signal
 from pathlib import Path
 
 import pytest
+
+# Under nohup it is ignored, and tests that send it would wait for ever.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

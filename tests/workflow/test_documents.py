@@ -29,6 +29,7 @@ PLANNED_ONLY = {
     r"^snakemake (?=.*budget=(?:desk|paper))(?!.*--dry-run)": "snakemake --dry-run ",
     r"--profile profiles/slurm": "",
     r"--minutes \d+": "--minutes 0.1",
+    r"--replay all": "--replay 1",
 }
 """Replacements in commands of the documents, for those that take long."""
 

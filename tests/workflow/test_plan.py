@@ -41,7 +41,7 @@ def test_everything_of_the_papers_budget(clone: Path) -> None:
     records = [job.record for job in jobs(select("paper"))]
     plan = planned(clone, "all", "--config", "budget=paper")
     assert plan["run"] == missing(clone, records)
-    assert sum(rule.endswith("_notebook") for rule in plan) == 7
+    assert sum(rule.endswith("_notebook") for rule in plan) == 9
 
 
 def test_table_1_of_the_papers_budget_needs_only_the_papers_configurations(clone: Path) -> None:

@@ -52,7 +52,7 @@ def questions_answered(ledger: pd.DataFrame) -> str:
     decided = {verdict: counts[verdict] for verdict in DECIDED if verdict in counts}
     rest = {verdict: count for verdict, count in counts.items() if verdict not in decided}
     said = [
-        f"The paper's claims come down to {len(whole)} questions; these runs ask {len(asked)} and "
+        f"The paper's claims raise {len(whole)} questions; these runs ask {len(asked)} and "
         f"answer {sum(decided.values())}."
     ]
     said += [f"{str(verdict).capitalize()}: {_of_questions(asked, verdict)}" for verdict in decided]
