@@ -9,6 +9,7 @@ import subprocess
 from pathlib import Path
 
 from neol.base.files import read_bounded, sha256
+from neol.run.provenance import git
 from neol.spec.configuration import ROOT
 from neol.study.claims.questions import QUESTIONS
 
@@ -36,12 +37,10 @@ def digests() -> str:
 
 def _commit(path: Path) -> str | None:
     """Return the last commit of a file; None outside a checkout, or before the first."""
-    log = ["git", "log", "-1", "--format=%h", "--abbrev=12", "--", str(path)]
     try:
-        done = subprocess.run(log, cwd=path.parent, capture_output=True, text=True, check=True)
+        return git("log", "-1", "--format=%h", "--abbrev=12", "--", str(path)) or None
     except (OSError, subprocess.CalledProcessError):
         return None
-    return done.stdout.strip() or None
 
 
 if __name__ == "__main__":
