@@ -110,10 +110,7 @@ def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
             of["asked"] += last.verdict not in ("holds by construction", "not asked here")
     rows = [
         {"question": name, "papers": papers[name]}
-        | {
-            column: of[column] / studies
-            for column in ("support", "reproduced", "contradiction", "open")
-        }
+        | {column: of[column] / studies for column in COLUMNS}
         for name, of in counts.items()
         if of["asked"]
     ]

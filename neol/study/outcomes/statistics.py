@@ -105,37 +105,6 @@ def interquartile_mean(*samples: Floats) -> Floats:
     return np.asarray(np.mean([stats.trim_mean(each, 0.25, axis=-1) for each in samples], axis=0))
 
 
-def mean_difference(sample: Floats, against: Floats) -> Floats:
-    """Return the difference of the means."""
-    return np.asarray(sample.mean(axis=-1) - against.mean(axis=-1))
-
-
-def sd_difference(sample: Floats, against: Floats) -> Floats:
-    """Return the difference of the standard deviations (n - 1)."""
-    return np.asarray(sample.std(axis=-1, ddof=1) - against.std(axis=-1, ddof=1))
-
-
-def median_difference(sample: Floats, against: Floats) -> Floats:
-    """Return the difference of the medians."""
-    return np.asarray(np.median(sample, axis=-1) - np.median(against, axis=-1))
-
-
-def iqr_difference(sample: Floats, against: Floats) -> Floats:
-    """Return the difference of the interquartile ranges: the boxes of a boxplot."""
-    return np.asarray(stats.iqr(sample, axis=-1) - stats.iqr(against, axis=-1))
-
-
-def outlier_difference(sample: Floats, against: Floats) -> Floats:
-    """Return the difference of the shares of low outliers: runs below a boxplot's lower whisker."""
-    return low_outliers(sample) - low_outliers(against)
-
-
-def low_outliers(sample: Floats) -> Floats:
-    """Return the share of runs more than 1.5 interquartile ranges below the first quartile."""
-    first, third = np.quantile(sample, [0.25, 0.75], axis=-1, keepdims=True)
-    return np.asarray((sample < first - 1.5 * (third - first)).mean(axis=-1))
-
-
 def performance_profile(thresholds: npt.ArrayLike) -> Effect:
     """Return the effect "share of runs above each threshold", tasks weighing equally.
 
@@ -214,21 +183,6 @@ def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats
     return np.asarray(low), np.asarray(high)
 
 
-def mean_difference_error(sample: Floats, against: Floats) -> float:
-    """Return the standard error of the difference of two means, whose variances may differ."""
-    return math.hypot(stats.sem(sample), stats.sem(against))
-
-
-def mean_difference_interval(
-    sample: Floats, against: Floats, confidence: float
-) -> tuple[float, float]:
-    """Return Welch's interval of the difference of two means (1947); a point without any spread."""
-    with warnings.catch_warnings(action="ignore"):  # of values that are all equal
-        test = stats.ttest_ind(sample, against, equal_var=False)
-        low, high = test.confidence_interval(confidence)
-    return float(low), float(high)
-
-
 # --- Power --------------------------------------------------------------------------------------
 
 
@@ -244,21 +198,6 @@ def seeds_needed(superiority: float, *, alpha: float = ALPHA, power: float = 0.8
         return math.inf
     z = stats.norm.isf(alpha) + stats.norm.isf(1 - power)
     return float(math.ceil(z**2 / (6 * (superiority - 0.5) ** 2)))
-
-
-def seeds_for(effect: float, error: float, seeds: int, alpha: float, power: float = 0.8) -> float:
-    """Return the seeds with which an interval of 1 - alpha excludes 0 with probability `power`.
-
-    This follows from the effect's standard error, which shrinks with the square root of the seeds:
-    n ((z_alpha/2 + z_power) error / effect)^2, rounded up, at least 2; infinite for no effect, NaN
-    without an error to go by.
-    """
-    if effect == 0:
-        return math.inf
-    if error == 0:
-        return math.nan
-    z = stats.norm.isf(alpha / 2) + stats.norm.isf(1 - power)
-    return float(max(2, math.ceil(seeds * (z * error / effect) ** 2)))
 
 
 def _same(value: float, printed: float, digits: int) -> bool:
