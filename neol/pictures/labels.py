@@ -46,6 +46,13 @@ def three_figures(value: float) -> str:
     return text.rstrip(".")
 
 
+def with_interval(value: float, low: float, high: float) -> str:
+    """Format a value with its interval: 9.00 [0.500, 17.5]; "--" if there is no value."""
+    if math.isnan(value):
+        return "--"
+    return f"{three_figures(value)} [{three_figures(low)}, {three_figures(high)}]"
+
+
 def value_range(values: Iterable[float]) -> str:
     """Format the range of values as integers: 195 to 398, or 500 if all round to it."""
     rounded = [round(float(value)) for value in values]

@@ -1,7 +1,6 @@
 """The ledger: the paper's questions with their answers, as a table, a page and LaTeX."""
 
 import math
-import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from neol.base.files import write_atomically
-from neol.pictures.labels import three_figures
+from neol.pictures.labels import three_figures, with_interval
 from neol.study.campaign.grid import cells
 from neol.study.claims import verdicts
 from neol.study.claims.answers import Answer, Finding
@@ -20,6 +19,7 @@ from neol.study.claims.questions import Claim
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
+from neol.study.output import markdown
 from neol.study.output.captions import describe_budget
 from neol.study.output.latex import escape
 from neol.study.output.sidecar import write_sidecar
@@ -99,7 +99,7 @@ def as_markdown(answers: Sequence[Answer], claims: Sequence[Claim], budget: str)
         f"{len(claims)} sentences of the paper raise {len(answers)} questions: "
         f"{count_words(answers)}. {plan}",
         (verdicts.__doc__ or "").strip(),
-        _grid(
+        markdown.table(
             ["question", "verdict", "parts for / against / open", "effect [interval]",
              "the paper's effect [95%]", "the paper's own numbers", "seeds"],
             [_summary(answer) for answer in answers],
@@ -158,11 +158,6 @@ def _summary(answer: Answer) -> list[str]:
     ]
 
 
-def _as_text(text: str) -> str:
-    """Return text of one line in which Markdown finds no markup, HTML included."""
-    return re.sub(r"([\\`*_\[\]<>|~#])", r"\\\1", " ".join(text.split()))
-
-
 def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
     question = answer.question
     reason = f" ({answer.reason})" if answer.reason else ""
@@ -182,10 +177,10 @@ def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
          "--" if part.evidence.paper is None else three_figures(part.evidence.paper.value)]
         for part in answer.parts
     ]  # fmt: skip
-    lines.append(_grid(["part", "is", "effect [interval]", "the paper's effect"], rows))
+    lines.append(markdown.table(["part", "is", "effect [interval]", "the paper's effect"], rows))
     if any(part.near_control for part in answer.parts):
         lines.append(f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}.")
-    lines += [f"> {_as_text(each.quote)} ({_as_text(each.place)})" for each in quotes]
+    lines += [f"> {markdown.escape(each.quote)} ({markdown.escape(each.place)})" for each in quotes]
     return lines
 
 
@@ -193,20 +188,12 @@ def _label(part: Finding) -> str:
     return f"{part.evidence.label}{NEAR_CONTROL_MARK * part.near_control}"
 
 
-def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    table = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(row)} |" for row in table)
-
-
 def _anchor(answer: Answer) -> str:
     return f"{answer.question.id}-{answer.verdict.replace(' ', '-')}"
 
 
 def _effect(effect: Effect | None, low: float, high: float) -> str:
-    if effect is None:
-        return "--"
-    value, *ends = map(three_figures, (effect.value, low, high))
-    return f"{value} [{ends[0]}, {ends[1]}]"
+    return with_interval(math.nan if effect is None else effect.value, low, high)
 
 
 def write_ledger(

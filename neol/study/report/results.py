@@ -4,15 +4,14 @@ A budget other than the shown one has a page of its own, such as docs/results-pa
 `results.md.j2` is the text; `in_short`, `levels` and `words` have the generated sentences.
 """
 
-import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from neol.base.files import write_atomically
-from neol.pictures.labels import listed, task_label, three_figures
+from neol.pictures.labels import listed, task_label, three_figures, with_interval
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.study.campaign.cost import core_hours
 from neol.study.campaign.shown import chosen_tasks, snakemake_options
@@ -107,18 +106,11 @@ def answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
         name = row["question"]
         row |= {
             "ask": asked[name].ask,
-            "ours": _effect(row, ("effect", "low", "high")),
-            "papers": _effect(row, ("paper_effect", "paper_low", "paper_high")),
+            "ours": with_interval(row["effect"], row["low"], row["high"]),
+            "papers": with_interval(row["paper_effect"], row["paper_low"], row["paper_high"]),
             "quotes": [claim for claim in claims if name in claim.questions],
         }
     return rows
-
-
-def _effect(row: Mapping[Any, Any], columns: Sequence[str]) -> str:
-    if math.isnan(row[columns[0]]):
-        return "--"
-    value, low, high = (three_figures(row[column]) for column in columns)
-    return f"{value} [{low}, {high}]"
 
 
 def write_page(campaign: Campaign, figures: Path, output: Path) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from neol.pictures.labels import listed, method_label, task_label, three_figures
+from neol.pictures.labels import listed, method_label, task_label, three_figures, with_interval
 from neol.study.campaign.grid import cells
 from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE, variants
@@ -163,8 +163,7 @@ def _side(row: Mapping[Any, Any]) -> str:
 
 def _difference(row: Mapping[Any, Any]) -> str:
     """Format a difference of means with its interval, and the mark of a rule near control."""
-    value, low, high = (three_figures(row[name]) for name in ("difference", "low", "high"))
-    return f"{value} [{low}, {high}]{_mark(row)}"
+    return f"{with_interval(row['difference'], row['low'], row['high'])}{_mark(row)}"
 
 
 def _name(row: Mapping[Any, Any]) -> str:

@@ -4,13 +4,12 @@ Means are compared by Welch's interval, standard deviations by F; the paper's si
 for its 30 seeds. The tests of a table are corrected for their number (Holm).
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
-from neol.pictures.labels import method_label, task_label, three_figures
+from neol.pictures.labels import method_label, task_label, three_figures, with_interval
 from neol.study.campaign.methods import challengers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates
@@ -151,8 +150,6 @@ def _row(each: OursAndPapers) -> dict[str, object]:
 
 
 def _interval(value: float, low: float, high: float) -> Entry:
-    if math.isnan(value):
-        return Entry(formats.NOTHING)
     if np.isnan([low, high]).any():
         return Entry(three_figures(value))
-    return Entry(f"{three_figures(value)} [{three_figures(low)}, {three_figures(high)}]")
+    return Entry(with_interval(value, low, high))

@@ -10,6 +10,7 @@ import pandas as pd
 from neol.base.files import write_atomically
 from neol.spec.configuration import Configuration
 from neol.study.outcomes.campaign_runs import Source
+from neol.study.output import markdown
 from neol.study.output.latex import escape
 from neol.study.output.sidecar import command, write_sidecar
 
@@ -107,8 +108,7 @@ class Table:
             [line.label, *(marks[emphasis] % text for text, emphasis in line.entries)]
             for line in self.lines
         ]
-        head = [["Task", *self.columns], ["---"] * (len(self.columns) + 1)]
-        return "".join(f"| {' | '.join(row)} |\n" for row in [*head, *rows])
+        return f"{markdown.table(['Task', *self.columns], rows)}\n"
 
     def html_table(self) -> str:
         """Return the table in HTML, with its notes and without its caption."""
