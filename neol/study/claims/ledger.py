@@ -17,7 +17,7 @@ from neol.study.claims.effect import Effect
 from neol.study.claims.plan import frozen_plan
 from neol.study.claims.questions import Claim
 from neol.study.outcomes.campaign_runs import Campaign
-from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_NOTE
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.output import markdown
 from neol.study.output.captions import describe_budget
@@ -179,7 +179,7 @@ def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
     ]  # fmt: skip
     lines.append(markdown.table(["part", "is", "effect [interval]", "the paper's effect"], rows))
     if any(part.near_control for part in answer.parts):
-        lines.append(f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}.")
+        lines.append(NEAR_CONTROL_NOTE)
     lines += [f"> {markdown.escape(each.quote)} ({markdown.escape(each.place)})" for each in quotes]
     return lines
 

@@ -20,7 +20,7 @@ from matplotlib.ticker import MaxNLocator
 
 from neol.pictures.labels import drawn, method_label, task_label, three_figures
 from neol.pictures.style import COLOUR_MAP, GREY, WIDTH, Style, drawing, footer, styles
-from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_NOTE
 from neol.study.outcomes.statistics import Floats, mean_interval
 
 
@@ -91,7 +91,7 @@ def convergence(
                 " Grey, or an arrow if outside the panel: Gymnasium's reward threshold, and the "
                 "range of the means that the paper prints."
             )
-        little = [f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}."] if near_control else []
+        little = [NEAR_CONTROL_NOTE] if near_control else []
         footer(figure, "\n".join([f"{note} {explanation}", *little, *_listed(reasons)]))
     return figure
 
@@ -164,7 +164,7 @@ def _explained(cells: pd.DataFrame) -> str:
         "corrected for their number)."
     ]
     if cells["near_control"].any():
-        sentences.append(f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}.")
+        sentences.append(NEAR_CONTROL_NOTE)
     return " ".join(sentences)
 
 

@@ -29,6 +29,8 @@ NEAR_CONTROL_WORDS = (
 )
 NEAR_CONTROL_MARK = "†"
 """Mark behind the name or value of such a cell."""
+NEAR_CONTROL_NOTE = f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}."
+"""Explanation of the mark, for what shows it."""
 
 
 @dataclass(frozen=True, slots=True)

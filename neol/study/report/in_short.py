@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from neol.pictures.labels import listed, method_label, task_label, value_range
+from neol.pictures.labels import listed, task_label, value_range
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import load_questions
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
+from neol.study.report.words import marked_name
 
 DECIDED = ("reproduced", "same direction", "mixed", "not reproduced", "equivalent to zero")
 """Verdicts that are answers, from the paper's side to the other."""
@@ -31,14 +32,12 @@ class Point(NamedTuple):
 
 def in_short(ledger: pd.DataFrame, effects: pd.DataFrame, selection: pd.DataFrame) -> list[Point]:
     """Return the points, from the tables of verdicts, of effects and of selection bias."""
-    per_task = effects[(effects["task"] != "all") & (effects["seeds"] > 0)]
-    rules = per_task[per_task["method"] != "neat_wo"]
-    points = [
+    return [
         Point("The paper's questions.", questions_answered(ledger)),
-        Point("The rules against NEAT.", against_neat(rules)),
-        Point("Is that learning?", is_it_learning(per_task, rules)),
+        Point("The rules against NEAT.", against_neat(effects)),
+        Point("Is that learning?", is_it_learning(effects)),
+        Point("In fresh episodes.", in_fresh_episodes(selection)),
     ]
-    return [*points, Point("In fresh episodes.", in_fresh_episodes(selection))]
 
 
 def questions_answered(ledger: pd.DataFrame) -> str:
@@ -61,8 +60,9 @@ def questions_answered(ledger: pd.DataFrame) -> str:
     return " ".join(said)
 
 
-def against_neat(rules: pd.DataFrame) -> str:
+def against_neat(effects: pd.DataFrame) -> str:
     """Say which planned tests of a rule against NEAT hold after correction for their number."""
+    rules = _there(effects, of_rules=True)
     tests = rules[rules["against"] == "neat"].dropna(subset="p_holm")
     held = tests[tests["p_holm"] < ALPHA]
     if tests.empty:
@@ -72,10 +72,10 @@ def against_neat(rules: pd.DataFrame) -> str:
     return f"{share}{f': {_compared(held)}' if len(held) else ''}."
 
 
-def is_it_learning(per_task: pd.DataFrame, rules: pd.DataFrame) -> str:
+def is_it_learning(effects: pd.DataFrame) -> str:
     """Say what remains of the rules' advantage beside NEAT without weight mutation."""
-    ablation = per_task[(per_task["method"] == "neat_wo") & _differs(per_task)]
-    others = rules[rules["against"] == "neat_wo"]
+    ablation, rules = (_there(effects, of_rules=of_rules) for of_rules in (False, True))
+    ablation, others = ablation[_differs(ablation)], rules[rules["against"] == "neat_wo"]
     said = []
     if len(ablation):
         said.append(
@@ -112,6 +112,12 @@ def in_fresh_episodes(selection: pd.DataFrame) -> str:
     )
 
 
+def _there(effects: pd.DataFrame, *, of_rules: bool) -> pd.DataFrame:
+    """Return the comparisons of single tasks that have runs: of the rules, or of NEAT (w/o)."""
+    there = (effects["task"] != "all") & (effects["seeds"] > 0)
+    return effects[there & ((effects["method"] != "neat_wo") == of_rules)]
+
+
 def _differs(rows: pd.DataFrame) -> "pd.Series[bool]":
     return (rows["low"] > 0) | (rows["high"] < 0)
 
@@ -127,8 +133,7 @@ def _compared(rows: pd.DataFrame, *, named: bool = True) -> str:
 
 def _entry(row: Mapping[Any, Any], *, named: bool) -> str:
     side = "higher" if row["difference"] > 0 else "lower"
-    mark = NEAR_CONTROL_MARK if row["near_control"] is True else ""
-    return f"{method_label(row['method'])}{mark} {side}" if named else side
+    return f"{marked_name(row)} {side}" if named else side
 
 
 def _of_questions(whole: pd.DataFrame, verdict: str) -> str:

@@ -80,7 +80,7 @@ def after_correction(effects: pd.DataFrame) -> str:
     tested = effects.dropna(subset="p_holm")
     significant = tested[tested["p_holm"] < ALPHA]
     named = "; ".join(
-        f"{row['outcome']}, {task_label(row['task'])}, {_name(row)} against "
+        f"{row['outcome']}, {task_label(row['task'])}, {marked_name(row)} against "
         f"{method_label(row['against'])}"
         for row in significant.to_dict("records")
     )
@@ -166,7 +166,8 @@ def _difference(row: Mapping[Any, Any]) -> str:
     return f"{with_interval(row['difference'], row['low'], row['high'])}{_mark(row)}"
 
 
-def _name(row: Mapping[Any, Any]) -> str:
+def marked_name(row: Mapping[Any, Any]) -> str:
+    """Return a row's method, with the mark of a rule near control."""
     return f"{method_label(row['method'])}{_mark(row)}"
 
 

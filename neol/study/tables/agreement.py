@@ -14,7 +14,7 @@ from neol.study.campaign.methods import challengers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates
 from neol.study.outcomes.contrasts import Moments, difference, sd_p, sd_ratio
-from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
+from neol.study.outcomes.movement import NEAR_CONTROL_NOTE
 from neol.study.outcomes.paper_numbers import PAPER_SEEDS
 from neol.study.outcomes.statistics import ALPHA, holm
 from neol.study.output.captions import describe_budget, describe_samples
@@ -100,7 +100,7 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
         for each, row in zip(compared, frame.to_dict("records"), strict=True)
     ]
     among = [cell for some in candidates(campaign.configuration, setting).values() for cell in some]
-    little = [f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}."] if frame["near_control"].any() else []
+    little = [NEAR_CONTROL_NOTE] if frame["near_control"].any() else []
     return Table(
         name=f"numbers{number}",
         number=f"{number}a",

@@ -16,7 +16,7 @@ from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.contrasts import compare as compare_runs
-from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
+from neol.study.outcomes.movement import NEAR_CONTROL_NOTE
 from neol.study.outcomes.statistics import ALPHA, rank_sum, superiority
 from neol.study.output.captions import describe_budget, describe_samples
 from neol.study.tables import formats
@@ -258,11 +258,7 @@ def _table(
         lines=tuple(lines),
         notes=(
             *incomplete,
-            *(
-                [f"{NEAR_CONTROL_MARK} {NEAR_CONTROL_WORDS}."]
-                if frame["near_control"].any()
-                else []
-            ),
+            *([NEAR_CONTROL_NOTE] if frame["near_control"].any() else []),
             *_flattered(shown),
             *paper_numbers.CONTRADICTIONS.get(number, ()),
         ),

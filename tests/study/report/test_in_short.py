@@ -55,15 +55,13 @@ def test_what_the_ablation_shares_is_no_learning() -> None:
         {"against": "neat_wo", "difference": -2.0, "low": -3.0, "high": -1.0},
         {"against": "neat_wo", "method": "oja", "low": 0.1, "near_control": True},
     )
-    rules = table[table["method"] != "neat_wo"]
-    assert in_short.is_it_learning(table, rules) == (
+    assert in_short.is_it_learning(table) == (
         "NEAT without weight mutation (NEAT (w/o)), which does not learn either, differs from NEAT "
         "too: SCORE on Hopper (higher). From NEAT (w/o) the rules differ in 1 of 2 comparisons, "
         "uncorrected: final fitness on Hopper (BCM lower). In 1 of these comparisons the rule "
         "hardly moves a weight (†), so they cannot show learning."
     )
-    nothing = table[:0]
-    assert in_short.is_it_learning(nothing, nothing) == "No run of NEAT (w/o) is there to tell."
+    assert in_short.is_it_learning(table[:0]) == "No run of NEAT (w/o) is there to tell."
 
 
 def test_fresh_episodes_show_the_selection_bias() -> None:
