@@ -160,10 +160,7 @@ def load_configuration(
     _name(overlay, ("budget",), budget_file.stem)
     for task in overlay.values["tasks"] if isinstance(overlay.values["tasks"], dict) else ():
         _name(overlay, ("tasks", task), task)
-    try:
-        configuration = Configuration.model_validate_json(json.dumps(overlay.values))
-    except ValidationError as error:
-        raise UserError(one_line(error, Configuration, overlay.place)) from None
+    configuration = overlay.parse(Configuration)
     for method in configuration.budget.methods:
         if method not in configuration.methods:
             source = overlay.source(("budget", "methods"))

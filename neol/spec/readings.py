@@ -9,9 +9,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
-from neol.base.errors import UserError, hint, one_line
+from neol.base.errors import UserError, hint
 from neol.spec.sources import Overlay
 from neol.spec.types import NAME, Model, Text
 
@@ -54,10 +52,7 @@ def read_reading(folder: Path, name: str) -> Reading:
         )
     overlay = Overlay()
     overlay.add_file(folder / f"{name}.yaml")
-    try:
-        reading = Reading.model_validate_json(json.dumps(overlay.values))
-    except ValidationError as error:
-        raise UserError(one_line(error, Reading, overlay.place)) from None
+    reading = overlay.parse(Reading)
     if "budget" in reading.constants:
         place = overlay.place(("constants", "budget"))
         raise UserError(f"{place}: a reading sets no budget; --budget chooses it")

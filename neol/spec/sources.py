@@ -1,11 +1,16 @@
 """YAML files laid over each other; every value remembers its source."""
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from neol.base.errors import UserError
+from pydantic import TypeAdapter, ValidationError
+
+from neol.base.errors import UserError, one_line
 from neol.spec.plain_yaml import parse_yaml, read_yaml
+
+T = TypeVar("T")
 
 DEEPEST = 10
 """Limit of the keys in a path; those of the configuration are shorter."""
@@ -62,6 +67,13 @@ class Overlay:
     def place(self, loc: tuple[str, ...]) -> str:
         """Return what the user must fix for the value at a path of keys: an option or a key."""
         return self._options.get(loc) or f"{self.source(loc)}: {'.'.join(loc)}"
+
+    def parse(self, kind: type[T]) -> T:
+        """Return the values as a typed value. Raises UserError for one that is not allowed."""
+        try:
+            return TypeAdapter(kind).validate_json(json.dumps(self.values))
+        except ValidationError as error:
+            raise UserError(one_line(error, kind, self.place)) from None
 
     def add(self, loc: tuple[str, ...], content: Any, source: str) -> None:
         """Lay a value over the present ones."""

@@ -5,14 +5,11 @@ of one call of snakemake for each set of constants.
 """
 
 import itertools
-import json
 from functools import cache
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
-
 from neol.base.ending import exit_codes
-from neol.base.errors import UserError, one_line
+from neol.base.errors import UserError
 from neol.spec.configuration import CONFIG, Configuration, load_configuration
 from neol.spec.readings import DEFAULT_READING, with_changes
 from neol.spec.sources import Overlay
@@ -44,11 +41,7 @@ def choices() -> dict[str, Choice]:
 def _choices(file: Path) -> dict[str, Choice]:
     overlay = Overlay()
     overlay.add_file(file)
-    kind = dict[str, Choice]
-    try:
-        return TypeAdapter(kind).validate_json(json.dumps(overlay.values))
-    except ValidationError as error:
-        raise UserError(one_line(error, kind, overlay.place)) from None
+    return overlay.parse(dict[str, Choice])
 
 
 def universes() -> list[Universe]:

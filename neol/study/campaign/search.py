@@ -5,13 +5,10 @@ arguments of one call of snakemake for each reading, `... confirmation READING` 
 """
 
 import argparse
-import json
 from collections.abc import Iterable, Mapping, Sequence
 
-from pydantic import TypeAdapter, ValidationError
-
 from neol.base.ending import exit_codes
-from neol.base.errors import UserError, hint, one_line
+from neol.base.errors import UserError, hint
 from neol.network.rules import WITHOUT_RULE
 from neol.spec.configuration import CONFIG, load_configuration
 from neol.spec.sources import Overlay
@@ -39,11 +36,7 @@ def candidates() -> dict[str, Candidate]:
     """
     overlay = Overlay()
     overlay.add_file(CANDIDATES)
-    kind = dict[str, Candidate]
-    try:
-        found = TypeAdapter(kind).validate_json(json.dumps(overlay.values))
-    except ValidationError as error:
-        raise UserError(one_line(error, kind, overlay.place)) from None
+    found = overlay.parse(dict[str, Candidate])
     for name, candidate in found.items():
         if candidate.neat_wo is not None and found.get(candidate.neat_wo) != Candidate():
             place = overlay.place((name, "neat_wo"))
