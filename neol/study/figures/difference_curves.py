@@ -4,13 +4,13 @@ Bands of two means that overlap do not show that the means are equal; a band of 
 that includes 0 says directly that these seeds do not distinguish them.
 """
 
-from collections.abc import Sequence
-
 import pandas as pd
 from matplotlib.figure import Figure
 
 from neol.pictures.labels import listed, method_label, task_label
-from neol.pictures.style import GREY, WIDTH, drawing, footer, styles
+from neol.pictures.style import GREY, WIDTH, drawing, footer
+from neol.spec.constants import Budget
+from neol.study.figures.figure import looks_of
 from neol.study.outcomes.contrasts import Moments, difference
 
 BASELINES = ("neat", "neat_wo")
@@ -40,18 +40,16 @@ def differences_over_generations(curves: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
-def draw_difference_curves(table: pd.DataFrame, tasks: Sequence[str], note: str) -> Figure:
+def draw_difference_curves(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Draw `differences_over_generations`: a panel for each task, a line for each rule."""
-    methods = list(dict.fromkeys(table["method"]))
-    looks = styles(methods)
+    looks = looks_of(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.9))
-        panels = figure.subplots(1, len(tasks), squeeze=False)[0]
-        for axis, task in zip(panels, tasks, strict=True):
+        panels = figure.subplots(1, len(budget.tasks), squeeze=False)[0]
+        for axis, task in zip(panels, budget.tasks, strict=True):
             axis.axhline(0, color=GREY, linewidth=0.7)
-            for method in methods:
+            for method, look in looks.items():
                 line = table[(table["task"] == task) & (table["method"] == method)]
-                look = looks[method]
                 axis.plot(
                     line["generation"], line["difference"], color=look.colour, linestyle=look.line,
                     label=method_label(method),

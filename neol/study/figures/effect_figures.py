@@ -16,6 +16,7 @@ from neol.pictures.style import GREY, WIDTH, Style, drawing, footer, styles
 from neol.spec.constants import Budget
 from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE
+from neol.study.figures.figure import looks_of
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.effects import COMPARISONS, thresholds
 from neol.study.outcomes.movement import NEAR_CONTROL, NEAR_CONTROL_WORDS
@@ -112,7 +113,7 @@ def _differences(
 
 def draw_profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Draw performance profiles over all tasks."""
-    looks = _looks(table, budget)
+    looks = looks_of(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.9))
         axis = figure.subplots()
@@ -142,7 +143,7 @@ def draw_profiles(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
 
 def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Draw interquartile means of each task, and the mean of several tasks."""
-    looks, methods = _looks(table, budget), list(_looks(table, budget))
+    looks, methods = looks_of(table, budget), list(looks_of(table, budget))
     tasks = list(dict.fromkeys(table["task"]))
     with drawing():
         figure = Figure(figsize=(WIDTH, 0.9 + 0.1 * len(tasks) * (len(methods) + 1.5)))
@@ -169,7 +170,7 @@ def draw_aggregates(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
 
 def draw_efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Draw SCORE and the best-so-far fitness at equal cost, by population size."""
-    looks = _looks(table, budget)
+    looks = looks_of(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 8.6))
         axes = figure.subplots(len(EFFICIENCY_ROWS), len(budget.tasks), sharex=True, squeeze=False)
@@ -194,7 +195,7 @@ def draw_efficiency(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
 
 def draw_selection_bias(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Draw final best fitness minus the champion's mean return in fresh episodes."""
-    looks = _looks(table, budget)
+    looks = looks_of(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.5))
         axes = figure.subplots(1, len(budget.tasks), squeeze=False)[0]
@@ -215,7 +216,7 @@ def draw_selection_bias(table: pd.DataFrame, budget: Budget, note: str) -> Figur
 
 def draw_learning(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Draw the effect of switching plasticity off in each cell, by how far its weights move."""
-    looks = _looks(table, budget)
+    looks = looks_of(table, budget)
     with drawing():
         figure = Figure(figsize=(WIDTH, 2.7))
         axes = figure.subplots(1, len(budget.tasks), squeeze=False)[0]
@@ -252,7 +253,7 @@ def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str)
 
     A trial that lacks some of its `seeds`, or of its pairs with the baseline, states its number.
     """
-    looks = _looks(table, budget)
+    looks = looks_of(table, budget)
     names = [name for name in dict.fromkeys(table["variant"]) if name != BASELINE]
     varied = table[table["variant"] != BASELINE]
     with drawing():
@@ -357,13 +358,6 @@ def _legend(figure: Figure, looks: Mapping[str, Style]) -> None:
     ]
     labels = [method_label(method) for method in looks]
     figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6))
-
-
-def _looks(table: pd.DataFrame, budget: Budget) -> dict[str, Style]:
-    """Return the styles of a table's methods, in the order that all figures share."""
-    there = set(table["method"])
-    looks = styles(shown_methods(budget))
-    return {method: style for method, style in looks.items() if method in there}
 
 
 def _interval(

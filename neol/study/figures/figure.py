@@ -1,4 +1,4 @@
-"""A drawn figure and its sources."""
+"""A drawn figure and its sources, and the styles that all figures share."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,8 +7,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from neol.base.files import write_atomically
-from neol.pictures.style import png, save
+from neol.pictures.style import Style, png, save, styles
 from neol.spec.configuration import Configuration
+from neol.spec.constants import Budget
+from neol.study.campaign.methods import shown_methods
 from neol.study.outcomes.campaign_runs import Source
 from neol.study.output.sidecar import write_sidecar
 
@@ -36,3 +38,10 @@ class Drawing:
 
     def _repr_png_(self) -> bytes:
         return png(self.figure)
+
+
+def looks_of(table: pd.DataFrame, budget: Budget) -> dict[str, Style]:
+    """Return the styles of a table's methods, in the order that all figures share."""
+    there = set(table["method"])
+    looks = styles(shown_methods(budget))
+    return {method: style for method, style in looks.items() if method in there}

@@ -9,6 +9,7 @@ from neol.study.figures.difference_curves import (
     differences_over_generations,
     draw_difference_curves,
 )
+from tests.helpers.made_up import configuration
 
 
 def curves() -> pd.DataFrame:
@@ -45,7 +46,7 @@ def test_without_a_baseline_there_is_nothing() -> None:
 
 def test_it_is_drawn() -> None:
     table = differences_over_generations(curves())
-    figure = draw_difference_curves(table, ["hopper"], "note")
+    figure = draw_difference_curves(table, configuration(tasks=("hopper",)).budget, "note")
     assert figure.axes[0].get_title() == "Hopper"
     assert figure.axes[0].get_ylabel() == "Best fitness, minus NEAT's"
     assert png(figure).startswith(b"\x89PNG")
