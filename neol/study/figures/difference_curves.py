@@ -6,6 +6,7 @@ that includes 0 says directly that these seeds do not distinguish them.
 
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from neol.pictures.labels import listed, method_label, task_label
 from neol.pictures.style import GREY, WIDTH, drawing, footer
@@ -60,6 +61,7 @@ def draw_difference_curves(table: pd.DataFrame, budget: Budget, note: str) -> Fi
                 )  # fmt: skip
             axis.set_title(task_label(task))
             axis.set_xlabel("Generation")
+            axis.xaxis.set_major_locator(MaxNLocator(4, integer=True))
         against = listed(method_label(each) for each in dict.fromkeys(table["against"]))
         panels[0].set_ylabel(f"Best fitness, minus {against}'s")
         handles, labels = panels[0].get_legend_handles_labels()
