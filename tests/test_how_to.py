@@ -189,16 +189,16 @@ def test_a_question_under_another_reading(tmp_path: Path) -> None:
     assert "<   reward_scale: 0.01" in printed and ">   reward_scale: 1.0" in printed
 
     planned = shell(ask.replace("snakemake", "snakemake --dry-run"), tmp_path, tmp_path)
-    changed = "default+plasticity.reward_scale=0.1"
+    changed = "worked_example+plasticity.reward_scale=0.1"
     cell = "landing/lunar_lander/hebb/p006_lr0.0025/seeds_5000-5001.parquet"
-    for name in ("default", changed, "first"):
+    for name in ("worked_example", changed, "first"):
         assert f"results/{name}/{cell}" in planned
-    for place in ("default/landing", f"{changed}/landing", "landing"):
+    for place in ("worked_example/landing", f"{changed}/landing", "landing"):
         assert f"figures/{place}/claims.md" in planned
 
     records = "snakemake --cores 1 results/{}/" + cell + " --config budget=landing reading={}"
-    options = f"default set={changed.removeprefix('default+')}"
-    shell(records.format("default", "default"), tmp_path, tmp_path)
+    options = f"worked_example set={changed.removeprefix('worked_example+')}"
+    shell(records.format("worked_example", "worked_example"), tmp_path, tmp_path)
     shell(records.format(changed, options), tmp_path, tmp_path)
     printed = shell(compare.replace("p050", "p006"), tmp_path, tmp_path)
     assert re.search(r"plasticity.reward_scale +1\.0 +0\.1", printed), printed

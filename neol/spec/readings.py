@@ -1,7 +1,7 @@
 """Readings: named sets of constants where the paper is silent, one file each in `config/readings/`.
 
-`config/base.yaml` is the reading `default`. A label is a reading's name, optionally with changed
-constants: `first`, or `first+plasticity.reward_scale=0.1`. It is part of the paths of records.
+`config/base.yaml` is the reading `worked_example`. A label is a reading's name, optionally with
+changed constants: `first`, or `first+plasticity.reward_scale=0.1`. It is part of paths of records.
 """
 
 import json
@@ -13,10 +13,12 @@ from neol.base.errors import UserError, hint
 from neol.spec.sources import Overlay
 from neol.spec.types import NAME, Model, Text
 
-DEFAULT_READING = "default"
+BASE_READING = "worked_example"
 """Reading that is config/base.yaml itself."""
+DEFAULT_READING = BASE_READING
+"""Reading of runs that name none."""
 FIRST_READING = "first"
-"""Reading of all records that name none, because they are older than readings."""
+"""Reading of records that name none, because they are older than readings."""
 
 
 class Reading(Model):

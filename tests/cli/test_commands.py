@@ -203,7 +203,8 @@ def test_a_budget_may_be_a_file_of_ones_own(
     (tmp_path / "mine.yaml").write_text(text + "neat:\n  elitism: 3\n", encoding="utf-8")
     spec, settings = specification(f"run {TINY} --budget mine.yaml --output a.parquet", monkeypatch)
     assert (spec.neat.elitism, settings["budget"]) == (3, "mine")
-    assert neol("config --budget ./mine.yaml").stdout.startswith("# Budget mine, reading default\n")
+    shown = neol("config --budget ./mine.yaml").stdout
+    assert shown.startswith("# Budget mine, reading worked_example\n")
     assert "no.yaml: cannot be read (No such file" in refused("config --budget no.yaml")
     assert "mine.yaml: a campaign needs a budget of config/" in refused("status mine.yaml")
 
@@ -255,7 +256,7 @@ def test_an_environment_that_returns_nan_does_not_stop_a_run(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("readings", "line"),
     [
-        ("--reading first --reading default", "--reading first --reading default: give one"),
+        ("--reading first --reading removal", "--reading first --reading removal: give one"),
         ("--reading frist", 'unknown reading "frist", did you mean "first"? (allowed: '),
         ("--reading first+budget.seeds=3", '"budget.seeds=3": a reading sets no budget'),
     ],

@@ -18,7 +18,7 @@ def record() -> Record:
     """Seeds 0 and 4 of a tiny CartPole run."""
     engine = ReferenceEngine(SPEC.task)
     seeds = [SPEC.model_copy(update={"seed": seed}) for seed in (0, 4)]
-    made = [_record_of(run_seed(spec, engine), "smoke", "default") for spec in seeds]
+    made = [_record_of(run_seed(spec, engine), "smoke", "worked_example") for spec in seeds]
     engine.close()
     return join(reversed(made))
 

@@ -22,13 +22,13 @@ from neol.rollout.worlds.box2d import library as box2d
 from neol.run.evolution import Evolution
 from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT, load_configuration
-from neol.spec.readings import DEFAULT_READING, FIRST_READING
+from neol.spec.readings import BASE_READING, FIRST_READING
 from tests.helpers.core import require_core
 from tests.workflow.clone import fresh_clone
 
 KNOWN = Path(__file__).with_name("digests.json")
 BOX2D_TASKS = ("lunar_lander", "bipedal_walker", "bipedal_walker_hardcore")
-READINGS = (FIRST_READING, DEFAULT_READING)
+READINGS = (FIRST_READING, BASE_READING)
 METHODS = ("neat", "neat_wo", "hebb", "oja", "bcm")
 RUNS = [
     *(("cartpole", method) for method in METHODS),
@@ -45,7 +45,7 @@ BUSY = ["neat.add_node_rate=0.5", "neat.compatibility_threshold=1.0"]
 
 @cache
 def digest_of(
-    task: str, method: str, engine_name: EngineName, reading: str = DEFAULT_READING
+    task: str, method: str, engine_name: EngineName, reading: str = BASE_READING
 ) -> tuple[str, str]:
     """A trajectory's digest, and which engine played: ten genomes over ten generations."""
     overrides = [f"tasks.{task}.max_steps=100", *BUSY]
@@ -90,7 +90,7 @@ def test_every_path_of_the_physics_gives_the_known_digest(
     if path not in box2d.available_paths(require_core()):
         pytest.skip(f"this machine has no {path}")
     monkeypatch.setenv("NEOL_BOX2D_PATH", path)
-    known = json.loads(KNOWN.read_text())["default"]
+    known = json.loads(KNOWN.read_text())["worked_example"]
     played = digest_of.__wrapped__  # without the cached digest
     assert played(task, "bcm", "fast") == (known[f"{task} bcm"], "fast")
 

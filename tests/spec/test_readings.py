@@ -26,7 +26,7 @@ def test_every_reading_can_be_run(name: str) -> None:
 
 
 def test_the_default_reading_is_the_base_file() -> None:
-    assert load_configuration("paper") == load_configuration("paper", reading="default")
+    assert load_configuration("paper") == load_configuration("paper", reading="worked_example")
     first = load_configuration("paper", reading="first")
     assert first.plasticity.reward_scale == 0.01
     assert first.neat.crossover_enabled == "redraw_if_disabled"
@@ -44,11 +44,11 @@ def test_a_budget_overlays_a_reading_and_overrides_overlay_both() -> None:
     [
         ("first+plasticity.reward_scale=1e-1", "first+plasticity.reward_scale=0.1"),
         (
-            "default+plasticity.write_back=false+neat.elitism=3",
-            "default+neat.elitism=3+plasticity.write_back=false",
+            "worked_example+plasticity.write_back=false+neat.elitism=3",
+            "worked_example+neat.elitism=3+plasticity.write_back=false",
         ),
-        ("default+neat.weight_limit=1e+20", "default+neat.weight_limit=1e+20"),
-        ("default+methods.neat.weight_mutation=off", "default+methods.neat.weight_mutation=off"),
+        ("worked_example+neat.weight_limit=1e+20", "worked_example+neat.weight_limit=1e+20"),
+        ("first+methods.neat.weight_mutation=off", "first+methods.neat.weight_mutation=off"),
     ],
 )
 def test_a_label_names_a_reading_and_changed_constants(label: str, canonical: str) -> None:
@@ -60,10 +60,10 @@ def test_a_label_names_a_reading_and_changed_constants(label: str, canonical: st
 @pytest.mark.parametrize(
     ("label", "expected"),
     [
-        ("frist", 'unknown reading "frist", did you mean "first"? (allowed: default, '),
-        ("", 'unknown reading "" (allowed: default, '),
+        ("frist", 'unknown reading "frist", did you mean "first"? (allowed: drawn_bias, '),
+        ("", 'unknown reading "" (allowed: drawn_bias, '),
         ("../readings/first", 'unknown reading "../readings/first"'),
-        ("first,default", 'unknown reading "first,default"; give one reading, '),
+        ("first,removal", 'unknown reading "first,removal"; give one reading, '),
         ("first+default", '--reading "default": write it as key=value'),
         ("first+neat.elitsm=3", '--reading: neat.elitsm: unknown key, did you mean "elitism"?'),
         ("first+budget.seeds=3", '"budget.seeds=3": a reading sets no budget; --budget chooses'),

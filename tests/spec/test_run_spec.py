@@ -9,7 +9,7 @@ from tests.helpers.refusal import refusal
 
 DIGESTS = {
     "first": "943a5e4287029506895bbfb1974237c5999668edee9c117ce44952ac6765f6e0",
-    "default": "c30a6d79ab2f4ec00933059575169a66978895874cd3b2b12aa281a10b46b490",
+    "worked_example": "c30a6d79ab2f4ec00933059575169a66978895874cd3b2b12aa281a10b46b490",
 }
 RUN = {
     "task": "hopper",

@@ -164,7 +164,7 @@ def test_a_changed_constant_plans_the_runs_that_it_affects_and_says_why(
 
 
 def test_another_reading_shares_no_path_with_the_shown_one(clone: Path) -> None:
-    options = "--config", "budget=demo", "reading=default", "set=plasticity.reward_scale=0.1"
+    options = "--config", "budget=demo", "reading=worked_example", "set=plasticity.reward_scale=0.1"
     reading = "default+plasticity.reward_scale=0.1"
     said = snakemake(clone, "tables", *options, "--dry-run").stdout
     every = blocks(select("demo", reading=reading))
@@ -184,7 +184,7 @@ def test_the_page_of_readings_needs_no_run(clone: Path) -> None:
 
 def test_a_call_of_the_multiverse_plans_its_records(clone: Path) -> None:
     words = calls()[1].split()
-    assert words[-1] == "reading=default+plasticity.reward_scale=0.1"
+    assert words[-1] == "reading=worked_example+plasticity.reward_scale=0.1"
     records = [Path(word) for word in words if word.endswith(".parquet")]
     assert planned(clone, *words).get("run", 0) == missing(clone, records)
 

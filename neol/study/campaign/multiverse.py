@@ -11,7 +11,7 @@ from pathlib import Path
 from neol.base.ending import exit_codes
 from neol.base.errors import UserError
 from neol.spec.configuration import CONFIG, Configuration, load_configuration
-from neol.spec.readings import DEFAULT_READING, with_changes
+from neol.spec.readings import BASE_READING, with_changes
 from neol.spec.sources import Overlay
 from neol.spec.types import MethodName, Model, Several, Text
 from neol.study.campaign.grid import RESULTS, Block, blocks
@@ -59,7 +59,7 @@ def configuration(universe: Universe, method: str) -> Configuration:
     concerning = {name: each for name, each in choices().items() if method in each.methods}
     constants = [text for name, each in concerning.items() for text in each.options[universe[name]]]
     try:
-        return _configuration(with_changes(DEFAULT_READING, ",".join(constants)))
+        return _configuration(with_changes(BASE_READING, ",".join(constants)))
     except UserError as error:
         raise UserError(f"{GRID.parent.name}/{GRID.name}: {error}") from None
 

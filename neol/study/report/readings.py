@@ -15,7 +15,7 @@ from neol.base.files import write_atomically
 from neol.pictures.labels import method_label, task_label
 from neol.pictures.style import write_picture
 from neol.spec.configuration import READINGS, load_configuration
-from neol.spec.readings import DEFAULT_READING, read_reading
+from neol.spec.readings import BASE_READING, read_reading
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.search import BASELINES, CONFIRMATION, SCREENING, calls, candidates
 from neol.study.outcomes.baselines import (
@@ -126,7 +126,7 @@ def page(results: Path = RESULTS) -> Page:
     multiverse = Multiverse(results)
     order = list(candidates())
     screening = Stage(SCREENING, order, results)
-    chosen = to_confirm(screening.ranked, DEFAULT_READING)
+    chosen = to_confirm(screening.ranked, BASE_READING)
     confirmation = Stage(CONFIRMATION, chosen, results)
     decisive = confirmation if confirmation.complete else screening
     text = render(
@@ -172,7 +172,7 @@ def write_page(output: Path, results: Path = RESULTS) -> None:
 def confirmation_calls(results: Path = RESULTS) -> list[str]:
     """Return the arguments of the calls of snakemake that make the confirmation's records."""
     screening = Stage(SCREENING, list(candidates()), results)
-    return calls(CONFIRMATION, to_confirm(screening.ranked, DEFAULT_READING))
+    return calls(CONFIRMATION, to_confirm(screening.ranked, BASE_READING))
 
 
 if __name__ == "__main__":

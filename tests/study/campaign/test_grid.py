@@ -37,9 +37,9 @@ def test_order_is_that_of_the_file(paper):
 def test_a_record_s_path_says_reading_budget_cell_and_seeds(paper):
     records = [block.record for block in blocks(paper)]
     assert len(set(records)) == len(records) == 224 * 6
-    hebb = "default/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
+    hebb = "worked_example/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
     assert records[0] == Path(hebb)
-    neat = "default/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
+    neat = "worked_example/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
     assert records[-1] == Path(neat)
 
 
@@ -47,7 +47,7 @@ def test_records_of_different_budgets_and_readings_share_no_path():
     paths = [
         block.record
         for name in ("smoke", "desk")
-        for reading in ("default", "first", "first+plasticity.reward_scale=0.1")
+        for reading in ("worked_example", "first", "first+plasticity.reward_scale=0.1")
         for block in blocks(load_configuration(name, reading=reading))
     ]
     assert len(set(paths)) == len(paths)

@@ -24,7 +24,7 @@ def test_the_first_reading_is_the_default_and_all_differ() -> None:
     every = universes()
     assert len(every) == len({tuple(each.values()) for each in every}) == 32
     methods = load_configuration(BUDGET).budget.methods
-    assert {configuration(every[0], method).reading for method in methods} == {"default"}
+    assert {configuration(every[0], method).reading for method in methods} == {"worked_example"}
 
 
 def constants(universe: Universe, method: str) -> str:
@@ -59,7 +59,7 @@ def test_calls_make_each_record_once() -> None:
     lines = calls()
     records = [word for line in lines for word in line.split() if word.endswith(".parquet")]
     assert len(records) == len(set(records)) == 2 * 2 * (16 + 8 + 3 * 16)
-    assert lines[0].endswith("--config budget=multiverse reading=default")
+    assert lines[0].endswith("--config budget=multiverse reading=worked_example")
     for line in lines:
         reading = line.split()[-1].removeprefix("reading=")
         assert {Path(word).parts[1] for word in line.split() if "/" in word} == {reading}

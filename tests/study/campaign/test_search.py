@@ -83,8 +83,8 @@ def test_calls_make_each_record_once_under_its_own_reading() -> None:
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
-        ("default: {neat_w: removal}", "search/mine.yaml: default.neat_w: unknown key"),
-        ("default: {neat_wo: removal}", "search/mine.yaml: default.neat_wo = removal: has no"),
+        ("removal: {neat_w: first}", "search/mine.yaml: removal.neat_w: unknown key"),
+        ("a: {neat_wo: removal}", "search/mine.yaml: a.neat_wo = removal: has no"),
         (
             "a: {}\nb: {neat_wo: a}\nc: {neat_wo: b}",
             "search/mine.yaml: c.neat_wo = b: has no runs of NEAT (w/o) of its own",

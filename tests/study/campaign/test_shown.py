@@ -40,7 +40,7 @@ def test_tasks_come_once_and_in_the_order_of_the_budget() -> None:
 
 
 def test_another_reading_has_folders_of_its_own() -> None:
-    reading = "default+plasticity.reward_scale=0.1"
+    reading = "worked_example+plasticity.reward_scale=0.1"
     other = select("desk", "hopper,cartpole", reading)
     assert label(other) == full_label(other) == f"{reading}/desk-cartpole,hopper"
     assert figures_folder(other) == Path("figures", reading, "desk-cartpole,hopper")
@@ -50,7 +50,7 @@ def test_another_reading_has_folders_of_its_own() -> None:
 
 
 def test_what_differs_from_the_default_reading() -> None:
-    assert differs_from_default(select("smoke", reading="default")) == {}
+    assert differs_from_default(select("smoke", reading="worked_example")) == {}
     first = {
         "plasticity.reward_scale": ("0.01", "1.0"),
         "neat.crossover_enabled": ("redraw_if_disabled", "random_parent"),

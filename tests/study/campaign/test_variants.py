@@ -23,7 +23,7 @@ SMOKE = select("smoke")
 
 
 @pytest.mark.parametrize("name", variants())
-@pytest.mark.parametrize("reading", ["default", "first"])
+@pytest.mark.parametrize("reading", ["worked_example", "first"])
 def test_a_variant_differs_from_the_baseline_in_what_it_says(reading: str, name: str) -> None:
     configuration = load_configuration("paper", reading=reading)
     baseline = {(each.task, each.method): each.spec for each in trials(configuration, BASELINE)}
@@ -32,7 +32,7 @@ def test_a_variant_differs_from_the_baseline_in_what_it_says(reading: str, name:
         assert same == (name == BASELINE)
 
 
-@pytest.mark.parametrize(("reading", "same"), [("default", "beta 1"), ("first", "beta 0.01")])
+@pytest.mark.parametrize(("reading", "same"), [("removal", "beta 1"), ("first", "beta 0.01")])
 def test_what_a_reading_has_anyway_is_not_run(reading: str, same: str) -> None:
     for configuration in (
         load_configuration("demo", reading=reading),

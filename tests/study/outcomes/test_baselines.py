@@ -49,9 +49,9 @@ def test_predictive_intervals_hold_thirty_further_runs_as_often_as_they_say() ->
 
 
 def test_a_reading_with_the_papers_numbers_is_compatible(tmp_path: Path) -> None:
-    write_baseline(tmp_path, "default", "neat", PAPER["neat"])
-    write_baseline(tmp_path, "default", "neat_wo", PAPER["neat_wo"])
-    table, sources, core_hours = comparisons(["default"], SCREENING, tmp_path)
+    write_baseline(tmp_path, "worked_example", "neat", PAPER["neat"])
+    write_baseline(tmp_path, "worked_example", "neat_wo", PAPER["neat_wo"])
+    table, sources, core_hours = comparisons(["worked_example"], SCREENING, tmp_path)
     assert (len(sources), core_hours) == (6, 0.0)
     ranked = ranking(table, 3)
     assert ranked["counting"].tolist() == ["of the generation", "so far"]
@@ -61,8 +61,8 @@ def test_a_reading_with_the_papers_numbers_is_compatible(tmp_path: Path) -> None
 
 def test_the_best_so_far_is_counted_apart(tmp_path: Path) -> None:
     """A best that falls from 330 to 290 has a mean of 310; so far it is 330 throughout."""
-    write_baseline(tmp_path, "default", "neat", (290.0, 8.0, 310.0))
-    table, _, _ = comparisons(["default"], SCREENING, tmp_path)
+    write_baseline(tmp_path, "worked_example", "neat", (290.0, 8.0, 310.0))
+    table, _, _ = comparisons(["worked_example"], SCREENING, tmp_path)
     means = table[table["method"] == "neat"].set_index(["counting", "quantity"])["mean"].to_dict()
     assert means == pytest.approx(
         {
@@ -75,9 +75,9 @@ def test_the_best_so_far_is_counted_apart(tmp_path: Path) -> None:
 
 
 def test_one_number_that_does_not_fit_is_enough(tmp_path: Path) -> None:
-    write_baseline(tmp_path, "default", "neat", (320.0, 8.18, 291.3))
-    write_baseline(tmp_path, "default", "neat_wo", (312.5, 8.97, 100.0))
-    table, _, _ = comparisons(["default"], SCREENING, tmp_path)
+    write_baseline(tmp_path, "worked_example", "neat", (320.0, 8.18, 291.3))
+    write_baseline(tmp_path, "worked_example", "neat_wo", (312.5, 8.97, 100.0))
+    table, _, _ = comparisons(["worked_example"], SCREENING, tmp_path)
     rows = table[table["counting"] == "of the generation"].set_index(["method", "quantity"])
     assert rows["compatible"].to_dict() == {
         ("neat", "final"): True,
@@ -92,8 +92,8 @@ def test_one_number_that_does_not_fit_is_enough(tmp_path: Path) -> None:
 
 
 def test_a_spread_far_from_the_papers_is_not_compatible(tmp_path: Path) -> None:
-    write_baseline(tmp_path, "default", "neat", (311.77, 300.0, 291.3))
-    table, _, _ = comparisons(["default"], SCREENING, tmp_path)
+    write_baseline(tmp_path, "worked_example", "neat", (311.77, 300.0, 291.3))
+    table, _, _ = comparisons(["worked_example"], SCREENING, tmp_path)
     rows = table.set_index(["counting", "method", "quantity"])
     final = rows.loc[("of the generation", "neat", "final")]
     assert final["mean_low"] < 311.77 < final["mean_high"]
@@ -101,15 +101,15 @@ def test_a_spread_far_from_the_papers_is_not_compatible(tmp_path: Path) -> None:
 
 
 def test_readings_share_runs_of_neat_without_mutation(tmp_path: Path) -> None:
-    write_baseline(tmp_path, "default", "neat_wo", PAPER["neat_wo"])
+    write_baseline(tmp_path, "worked_example", "neat_wo", PAPER["neat_wo"])
     write_baseline(tmp_path, "rare_mutation", "neat", PAPER["neat"])
-    table, sources, _ = comparisons(["default", "rare_mutation"], SCREENING, tmp_path)
+    table, sources, _ = comparisons(["worked_example", "rare_mutation"], SCREENING, tmp_path)
     assert len(sources) == 6, "each record once"
     assert ranking(table, 3)["reading"].unique().tolist() == ["rare_mutation"]
 
 
 def test_without_runs_there_is_nothing_to_rank(tmp_path: Path) -> None:
-    table, sources, core_hours = comparisons(["default", "removal"], SCREENING, tmp_path)
+    table, sources, core_hours = comparisons(["worked_example", "removal"], SCREENING, tmp_path)
     assert (len(table), len(sources), core_hours) == (16, 0, 0.0)
     assert not table["compatible"].any()
     assert ranking(table, 3).empty
@@ -119,36 +119,36 @@ def test_a_record_of_another_reading_is_refused(tmp_path: Path) -> None:
     write_baseline(tmp_path, "removal", "neat", PAPER["neat"])
     (there, *_), (here, *_) = (
         [tmp_path / each.record for each in baseline_blocks(*of)]
-        for of in (("removal", "neat", SCREENING), ("default", "neat", SCREENING))
+        for of in (("removal", "neat", SCREENING), ("worked_example", "neat", SCREENING))
     )
     here.parent.mkdir(parents=True)
     there.rename(here)
-    line = refusal(comparisons, ["default"], SCREENING, tmp_path)
+    line = refusal(comparisons, ["worked_example"], SCREENING, tmp_path)
     assert "of another specification: neat.remove_connection_rate is 0.5 there and 0.0" in line
 
 
 @pytest.mark.parametrize(
     ("nearest", "chosen"),
     [
-        ("abcde", ["a", "b", "c", "default"]),
-        (["a", "default", "b", "c", "d"], ["a", "default", "b", "c"]),
-        (["a", "b", "c", "default"], ["a", "b", "c", "default"]),
-        (["a"], ["a", "default"]),
-        ([], ["default"]),
+        ("abcde", ["a", "b", "c", "worked_example"]),
+        (["a", "worked_example", "b", "c", "d"], ["a", "worked_example", "b", "c"]),
+        (["a", "b", "c", "worked_example"], ["a", "b", "c", "worked_example"]),
+        (["a"], ["a", "worked_example"]),
+        ([], ["worked_example"]),
     ],
 )
 def test_the_three_nearest_and_the_default_are_confirmed(
     nearest: list[str], chosen: list[str]
 ) -> None:
     ranked = pd.DataFrame({"reading": [name for name in nearest for _ in range(2)]}, dtype=object)
-    assert to_confirm(ranked, "default") == chosen
+    assert to_confirm(ranked, "worked_example") == chosen
 
 
 def test_a_record_that_lacks_its_seed_is_refused(tmp_path: Path) -> None:
-    write_baseline(tmp_path, "default", "neat", PAPER["neat"])
+    write_baseline(tmp_path, "worked_example", "neat", PAPER["neat"])
     one, other, _ = (
-        tmp_path / each.record for each in baseline_blocks("default", "neat", SCREENING)
+        tmp_path / each.record for each in baseline_blocks("worked_example", "neat", SCREENING)
     )
     other.write_bytes(one.read_bytes())
     with pytest.raises(UserError, match="does not hold the seeds that its name says"):
-        comparisons(["default"], SCREENING, tmp_path)
+        comparisons(["worked_example"], SCREENING, tmp_path)

@@ -17,30 +17,30 @@ FAR = (200.0, 10.0, 150.0)
 @pytest.fixture
 def screened(tmp_path: Path) -> Path:
     """The default's NEAT is far off, that of rare_mutation is the paper's; others were not run."""
-    write_baseline(tmp_path, "default", "neat", FAR)
-    write_baseline(tmp_path, "default", "neat_wo", PAPER["neat_wo"])
+    write_baseline(tmp_path, "worked_example", "neat", FAR)
+    write_baseline(tmp_path, "worked_example", "neat_wo", PAPER["neat_wo"])
     write_baseline(tmp_path, "rare_mutation", "neat", PAPER["neat"])
     return tmp_path
 
 
 def test_a_screening_names_what_is_to_be_confirmed(screened: Path) -> None:
     text, stage, _ = page(screened)
-    assert stage.complete == ["rare_mutation", "default"]
+    assert stage.complete == ["rare_mutation", "worked_example"]
     assert "**Not yet confirmed**: this is the screening, with 3 seeds." in text
     assert "Compatible in it: `rare_mutation` (best of the generation)," in text
     assert "**Not yet run**: `small_mutation`, `removal`," in text
-    assert "To be confirmed: `rare_mutation`, `default`." in text
+    assert "To be confirmed: `rare_mutation`, `worked_example`." in text
     assert "## Confirmation" not in text
     assert "9 runs of the screening (0.0 core-hours)" in text
-    (row,) = (line for line in text.splitlines() if line.startswith("| `default` | 2"))
+    (row,) = (line for line in text.splitlines() if line.startswith("| `worked_example` | 2"))
     cells = [cell.split(" / ")[0] for cell in row.strip("| ").split(" | ")]
     assert cells[3:] == ["no", "200 ± 10", "150 ± 10", "**312 ± 9**", "**286 ± 9**"]
     assert "| the paper |  |  |  | 312 ± 8 | 291 ± 5 | 312 ± 9 | 286 ± 9 |" in text
 
 
 def test_the_confirmation_alone_decides(screened: Path) -> None:
-    write_baseline(screened, "default", "neat", FAR, CONFIRMATION)
-    write_baseline(screened, "default", "neat_wo", PAPER["neat_wo"], CONFIRMATION)
+    write_baseline(screened, "worked_example", "neat", FAR, CONFIRMATION)
+    write_baseline(screened, "worked_example", "neat_wo", PAPER["neat_wo"], CONFIRMATION)
     write_baseline(screened, "rare_mutation", "neat", FAR, CONFIRMATION)
     text, stage, _ = page(screened)
     assert stage.budget == CONFIRMATION
@@ -54,7 +54,7 @@ def test_the_confirmation_alone_decides(screened: Path) -> None:
 
 def test_the_calls_of_the_confirmation(screened: Path) -> None:
     lines = confirmation_calls(screened)
-    assert [line.split()[-1] for line in lines] == ["reading=rare_mutation", "reading=default"]
+    assert [line.rpartition("=")[-1] for line in lines] == ["rare_mutation", "worked_example"]
     assert [line.count(".parquet") for line in lines] == [10, 20]
     assert all("--config budget=confirmation" in line for line in lines)
 

@@ -217,7 +217,7 @@ CONTENTS = [
     Plant("a constant edited", edit(edited_spec)),
     Plant("a constant edited, and the specification's digest", edit(edited_spec_and_digest)),
     Plant("marked as of another budget", edit(lambda m, _: m.update(budget="desk"))),
-    Plant("marked as of another reading", edit(lambda m, _: m.update(reading="default"))),
+    Plant("marked as of another reading", edit(lambda m, _: m.update(reading="worked_example"))),
     Plant("generations in another order", edit(reordered_rows)),
     Plant("a generation lost", edit(lost_row)),
     Plant("a generation too many", edit(one_more_row)),

@@ -38,6 +38,6 @@ MANIFEST = [
     Plant("an entry's seeds", entry(seeds=[0, 1])),
     Plant("an entry's commit", entry(commits=["0" * 40])),
     Plant("the budget", manifest(lambda content: content.update(budget="desk"))),
-    Plant("the reading", manifest(lambda content: content.update(reading="default"))),
+    Plant("the reading", manifest(lambda content: content.update(reading="worked_example"))),
     Plant("the tasks", manifest(lambda content: content.update(tasks=["hopper"]))),
 ]
