@@ -165,7 +165,7 @@ def test_a_changed_constant_plans_the_runs_that_it_affects_and_says_why(
 
 def test_another_reading_shares_no_path_with_the_shown_one(clone: Path) -> None:
     options = "--config", "budget=demo", "reading=worked_example", "set=plasticity.reward_scale=0.1"
-    reading = "default+plasticity.reward_scale=0.1"
+    reading = "worked_example+plasticity.reward_scale=0.1"
     said = snakemake(clone, "tables", *options, "--dry-run").stdout
     every = blocks(select("demo", reading=reading))
     assert set(re.findall(r"^Job \d+: (\S+) is missing$", said, re.MULTILINE)) == {
@@ -206,8 +206,8 @@ def test_every_table_and_figure_is_a_target(clone: Path) -> None:
         ),
         (["tables", "--config", "reading=frist"], 'unknown reading "frist", did you mean "first"?'),
         (
-            ["tables", "--config", "reading=first,default"],
-            'unknown reading "first,default"; give one reading',
+            ["tables", "--config", "reading=first,removal"],
+            'unknown reading "first,removal"; give one reading',
         ),
         (
             ["tables", "--config", "set=neat.elitsm=3"],
