@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 
+from neol.base.errors import UserError
 from neol.run.record import campaign_name
-from neol.spec.configuration import ROOT, Configuration
+from neol.spec.configuration import ROOT, Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.methods import without_mutation
 
@@ -52,9 +53,14 @@ class Block:
         return self.home / self.cell.folder / name
 
 
-def home(configuration: Configuration) -> Path:
-    """Return the folder of a campaign's records below the results folder: first/smoke."""
-    return Path(campaign_name(configuration.reading, configuration.budget.name))
+def home(configuration: Configuration, task: str = "") -> Path:
+    """Return the folder of a campaign's records below the results folder: first/smoke.
+
+    For a task whose records another budget keeps, it is the folder of that budget.
+    """
+    budget = configuration.budget
+    keeper = budget.records_of.get(task, budget.name)
+    return Path(campaign_name(configuration.reading, keeper))
 
 
 def cells(configuration: Configuration) -> list[Cell]:
@@ -78,6 +84,23 @@ def cells(configuration: Configuration) -> list[Cell]:
 def blocks(configuration: Configuration) -> list[Block]:
     """Return the budget's jobs in the order of its cells and seeds."""
     return [block for cell in cells(configuration) for block in _split(configuration, cell)]
+
+
+def check_shared_records(configuration: Configuration) -> None:
+    """Check that runs whose records another budget keeps are runs of that budget.
+
+    Raises UserError, with the first record that is not.
+    """
+    budget = configuration.budget
+    for task, name in budget.records_of.items():
+        keeper = load_configuration(name, reading=configuration.reading)
+        kept = {block: run_specs(keeper, block)[0] for block in blocks(keeper)}
+        for block in blocks(configuration):
+            if block.cell.task == task and kept.get(block) != run_specs(configuration, block)[0]:
+                raise UserError(
+                    f"budget {budget.name}: records_of.{task} = {name}: {block.record} is not a "
+                    f"record of that budget, or not with the same constants"
+                )
 
 
 def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
@@ -122,7 +145,7 @@ def _split(configuration: Configuration, cell: Cell) -> Iterator[Block]:
     size = budget.seeds_per_job_of(cell.task)
     seeds = budget.seed_range
     for part in (seeds[begin : begin + size] for begin in range(0, len(seeds), size)):
-        yield Block(home(configuration), cell, part[0], part[-1])
+        yield Block(home(configuration, cell.task), cell, part[0], part[-1])
 
 
 def _plain(number: float) -> str:

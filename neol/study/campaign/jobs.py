@@ -73,18 +73,23 @@ class Job:
 
 def jobs(configuration: Configuration, results: Path = RESULTS) -> Iterator[Job]:
     """Yield all jobs of a budget: its cells' blocks and the trials of the sensitivity study."""
-    reading, budget = configuration.reading, configuration.budget.name
+    reading, own = configuration.reading, configuration.budget.name
     logs = results.absolute().parent / "logs"
 
     def job(
-        below: Path, part: str, spec: RunSpec, seeds: range, overrides: Sequence[str] = ()
+        below: Path,
+        budget: str,
+        part: str,
+        spec: RunSpec,
+        seeds: range,
+        overrides: Sequence[str] = (),
     ) -> Job:
         log = (logs / below).with_suffix(".log")
         return Job(results / below, log, reading, budget, part, spec, seeds, overrides)
 
     for block in blocks(configuration):
         spec = run_specs(configuration, block)[0]
-        yield job(block.record, block.cell.method, spec, block.seeds)
+        yield job(block.record, block.home.name, block.cell.method, spec, block.seeds)
     for name, variant in variants().items():
         for trial in trials(configuration, name):
-            yield job(trial.record, SENSITIVITY, trial.spec, trial.seeds, variant.set)
+            yield job(trial.record, own, SENSITIVITY, trial.spec, trial.seeds, variant.set)

@@ -9,6 +9,7 @@ from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.spec.readings import FIRST_READING
 from neol.spec.sources import by_dotted_key
+from neol.study.campaign.grid import check_shared_records
 
 DEFAULT_BUDGET = "desk"
 """Budget that is shown by default."""
@@ -23,11 +24,13 @@ def select(
 ) -> Configuration:
     """Return a budget's configuration with all of its tasks, or the named ones: "cartpole,hopper".
 
-    Raises UserError for an unknown budget or reading, or a task that the budget does not have.
+    Raises UserError for an unknown budget or reading, a task that the budget does not have, or
+    records of another budget that are not that budget's.
     """
     if str(budget).endswith(".yaml"):
         raise UserError(f"{budget}: a campaign needs a budget of config/; copy this file to there")
     configuration = load_configuration(budget, reading=reading)
+    check_shared_records(configuration)
     all_tasks = configuration.budget.tasks
     chosen = tasks.split(",") if tasks else all_tasks
     for task in chosen:

@@ -4,7 +4,16 @@ from pathlib import Path
 import pytest
 
 from neol.spec.configuration import Configuration, load_configuration
-from neol.study.campaign.grid import Cell, blocks, cells, paper_cells, run_specs
+from neol.study.campaign.grid import (
+    Cell,
+    blocks,
+    cells,
+    check_shared_records,
+    paper_cells,
+    run_specs,
+)
+from neol.study.campaign.jobs import SENSITIVITY, jobs
+from tests.helpers.refusal import refusal
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +60,23 @@ def test_records_of_different_budgets_and_readings_share_no_path():
         for block in blocks(load_configuration(name, reading=reading))
     ]
     assert len(set(paths)) == len(paths)
+
+
+def test_runs_of_another_budget_have_its_records(paper):
+    look = load_configuration("first_look")
+    check_shared_records(look)
+    assert set(blocks(look)) < set(blocks(paper))
+    of_the_look = [job for job in jobs(look) if job.part != SENSITIVITY]
+    assert {job.budget for job in of_the_look} == {"paper"}
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["budget.seeds=5", "budget.generations=60", "budget.populations=[7]", "neat.elitism=3"],
+)
+def test_runs_that_another_budget_does_not_have(change):
+    line = refusal(check_shared_records, load_configuration("first_look", [change]))
+    assert line.startswith("budget first_look: records_of.lunar_lander = paper: worked_example/")
 
 
 def test_seeds_may_begin_elsewhere_than_at_0():
