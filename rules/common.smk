@@ -10,7 +10,8 @@ from neol.base.errors import UserError
 from neol.run.provenance import ASKING_PACKAGE, this_package
 from neol.run.record_file import records_below
 from neol.run.workspace import remove_if_complete
-from neol.spec.readings import with_changes
+from neol.spec.configuration import PAPER_BUDGET
+from neol.spec.readings import DEFAULT_READING, with_changes
 from neol.study.campaign.cost import walltime_minutes
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import SENSITIVITY, jobs

@@ -70,8 +70,9 @@ def comparisons(
     Columns: `reading`, `counting`, `method`, `quantity`; `seeds`, the number of runs;
     their `mean` and `sd` with the predictive intervals `mean_low`, `mean_high`, `sd_low` and
     `sd_high`; the paper's `paper_mean` and `paper_sd`; `distance`, |mean - paper_mean| / paper_sd;
-    `compatible`, whether both of the paper's numbers lie in their intervals. Fewer than two runs
-    give NaN and are not compatible. Raises UserError as `Source.read` does.
+    `fitting`, how many of the paper's two numbers lie in their intervals, and `compatible`,
+    whether both do. Fewer than two runs give NaN and are not compatible. Raises UserError as
+    `Source.read` does.
     """
     rows, sources, seconds = [], dict[str, Source](), dict[str, float]()
     for reading in readings:
@@ -89,19 +90,22 @@ def comparisons(
                     rows.append((*place, *_compare(of_runs, *paper_number(method, quantity))))
     intervals = ["mean_low", "mean_high", "sd_low", "sd_high"]
     columns = ["reading", "counting", "method", "quantity", "seeds", "mean", "sd", *intervals]
-    columns += ["paper_mean", "paper_sd", "distance", "compatible"]
+    columns += ["paper_mean", "paper_sd", "distance", "fitting"]
     table = pd.DataFrame(rows, columns=columns)
+    table["compatible"] = table["fitting"] == 2
     return table, tuple(sources.values()), sum(seconds.values()) / SECONDS_IN_AN_HOUR
 
 
 def ranking(table: pd.DataFrame, seeds: int) -> pd.DataFrame:
     """Rank readings by their distance, nearest first: a row for each reading and counting.
 
-    `distance` is the largest of a reading's four, `compatible` whether all its numbers are.
+    `distance` is the largest of a reading's four, `fitting` how many of the paper's eight numbers
+    fit, and `compatible` whether all do.
     A reading is left out where a baseline has fewer than `seeds` runs.
     """
     grouped = table.groupby(["reading", "counting"], sort=False)
-    rows = grouped.agg({"seeds": "min", "distance": "max", "compatible": "all"}).reset_index()
+    summary = {"seeds": "min", "distance": "max", "fitting": "sum", "compatible": "all"}
+    rows = grouped.agg(summary).reset_index()
     return rows[rows["seeds"] >= seeds].sort_values("distance", kind="stable", ignore_index=True)
 
 
@@ -143,8 +147,8 @@ def _compare(sample: Floats, paper_mean: float, paper_sd: float) -> tuple[float,
     mean = float(sample.mean()) if seeds else math.nan
     distance = abs(mean - paper_mean) / paper_sd
     if seeds < 2:
-        return seeds, mean, *[math.nan] * 5, paper_mean, paper_sd, distance, False
+        return seeds, mean, *[math.nan] * 5, paper_mean, paper_sd, distance, 0
     means, sds = predictive_mean(sample), predictive_sd(sample)
-    compatible = means[0] <= paper_mean <= means[1] and sds[0] <= paper_sd <= sds[1]
+    fitting = (means[0] <= paper_mean <= means[1]) + (sds[0] <= paper_sd <= sds[1])
     sd = float(sample.std(ddof=1))
-    return seeds, mean, sd, *means, *sds, paper_mean, paper_sd, distance, compatible
+    return seeds, mean, sd, *means, *sds, paper_mean, paper_sd, distance, fitting

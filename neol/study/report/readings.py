@@ -15,7 +15,7 @@ from neol.base.files import write_atomically
 from neol.pictures.labels import method_label, task_label
 from neol.pictures.style import write_picture
 from neol.spec.configuration import READINGS, load_configuration
-from neol.spec.readings import BASE_READING, read_reading
+from neol.spec.readings import BASE_READING, DEFAULT_READING, read_reading
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.search import BASELINES, CONFIRMATION, SCREENING, calls, candidates
 from neol.study.outcomes.baselines import (
@@ -29,6 +29,7 @@ from neol.study.outcomes.baselines import (
 from neol.study.report.common import render
 from neol.study.report.multiverse import Multiverse, picture_name
 from neol.study.report.readings_picture import readings_picture
+from neol.study.report.unused_numbers import unused_numbers
 
 NUMBERS = [(method, quantity) for method in BASELINES for quantity in QUANTITIES]
 """The paper's four numbers of the baselines, each with a standard deviation."""
@@ -56,19 +57,19 @@ class Stage:
     def numbers(self) -> list[list[str]]:
         """Return a head, a row for each complete reading, nearest first, and the paper's row.
 
-        Each has its distance, and the means of the four numbers, with the best of the generation
-        and so far; bold where compatible.
+        Each has its distance, how many of the paper's eight numbers fit, and its own four means,
+        with the best of the generation and so far; bold where compatible.
         """
         rows = {_place(row): row for row in self.table.to_dict("records")}
         ranked = self.ranked.to_dict("records")
         judged = {(row["reading"], row["counting"]): row for row in ranked}
         distances = [f"distance, {counting}" for counting in COUNTINGS]
-        head = ["reading", *distances, "compatible"]
+        head = ["reading", *distances, "numbers that fit"]
         lines = [head + [f"{method_label(method)}, {quantity}" for method, quantity in NUMBERS]]
         for reading in self.complete:
             distances = [f"{judged[reading, each]['distance']:.1f}" for each in COUNTINGS]
-            fits = [each for each in COUNTINGS if judged[reading, each]["compatible"]]
-            line = [f"`{reading}`", *distances, " and ".join(fits) or "no"]
+            fitting = " / ".join(_fitting(judged[reading, each]) for each in COUNTINGS)
+            line = [f"`{reading}`", *distances, fitting]
             for number in NUMBERS:
                 means = [_mean(rows[reading, counting, *number]) for counting in COUNTINGS]
                 line.append(" / ".join(means))
@@ -112,6 +113,10 @@ def _mean(number: Mapping[Any, Any]) -> str:
     return f"**{text}**" if number["compatible"] else text
 
 
+def _fitting(judged: Mapping[Any, Any]) -> str:
+    return f"**{judged['fitting']}**" if judged["compatible"] else str(judged["fitting"])
+
+
 class Page(NamedTuple):
     """The page as Markdown, and the content of its pictures."""
 
@@ -140,6 +145,8 @@ def page(results: Path = RESULTS) -> Page:
         unexplained=decisive.unexplained(),
         not_reached=[f"`{name}`" for name in order if name not in screening.complete],
         readings=[_described(name) for name in order],
+        default=DEFAULT_READING,
+        unused=unused_numbers(DEFAULT_READING, results),
         multiverse=multiverse,
         picture_name=picture_name,
         task_label=task_label,
