@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from neol.pictures.labels import listed, task_label
-from neol.spec.configuration import Configuration, load_configuration
+from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.study.campaign.grid import cells
 from neol.study.campaign.shown import chosen_tasks, differs_from_default, with_tasks
@@ -18,9 +18,18 @@ def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> 
         f"Budget {describe_name(budget)}: G = {describe_generations(budget, tasks)} generations, "
         f"{budget.seed_count} seeds, {describe_episodes(configuration, tasks)}."
     )
-    if not is_papers(configuration):
+    if is_part_of_papers(configuration):
+        sentence += f" A part of the paper's budget: {describe_part(budget)}."
+    elif not is_papers(configuration):
         sentence += " Reduced budget: not the paper's."
     return f"{sentence} {describe_reading(configuration)}"
+
+
+def describe_part(budget: Budget) -> str:
+    """Describe which part of the paper's budget another one shows: 10 of 30 seeds, P = 300."""
+    papers = load_configuration(PAPER_BUDGET).budget
+    populations = ", ".join(map(str, budget.populations))
+    return f"{budget.seed_count} of {papers.seed_count} seeds, P = {populations}"
 
 
 def describe_reading(configuration: Configuration) -> str:
@@ -40,8 +49,14 @@ def describe_name(budget: Budget) -> str:
 
 def is_papers(configuration: Configuration) -> bool:
     """Whether a budget is as large as the paper's, for any of its tasks."""
-    paper = load_configuration("paper", reading=configuration.reading)
+    paper = load_configuration(PAPER_BUDGET, reading=configuration.reading)
     return configuration == with_tasks(paper, configuration.budget.tasks)
+
+
+def is_part_of_papers(configuration: Configuration) -> bool:
+    """Whether all runs of a budget are among those of the paper's budget."""
+    budget = configuration.budget
+    return all(budget.records_of.get(task) == PAPER_BUDGET for task in budget.tasks)
 
 
 def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:

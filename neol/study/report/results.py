@@ -24,8 +24,10 @@ from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
 from neol.study.output.captions import (
     describe_budget,
     describe_name,
+    describe_part,
     describe_trials,
     is_papers,
+    is_part_of_papers,
     lacking,
 )
 from neol.study.report import words
@@ -91,10 +93,13 @@ def _title(configuration: Configuration) -> str:
     """Return the page's title, which names the budget: pages of two budgets have two titles."""
     budget = configuration.budget
     name = describe_name(budget)
+    if is_part_of_papers(configuration):
+        every = listed(map(task_label, budget.tasks))
+        return f"Results at a part of the paper's budget: {every}, {describe_part(budget)}"
     if not is_papers(configuration):
         return f"Results at the reduced budget `{name}`"
-    tasks = chosen_tasks(budget)
-    return f"Results at the paper's budget{f': {listed(map(task_label, tasks))}' if tasks else ''}"
+    some = chosen_tasks(budget)
+    return f"Results at the paper's budget{f': {listed(map(task_label, some))}' if some else ''}"
 
 
 def answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:

@@ -180,6 +180,12 @@ def test_only_the_papers_budget_is_the_papers() -> None:
     assert "Reduced" in describe_budget(load_configuration("paper", ["neat.elitism=3"]))
 
 
+def test_a_part_of_the_papers_budget_says_which() -> None:
+    caption = describe_budget(select("first_look", reading="worked_example"))
+    assert "A part of the paper's budget: 10 of 30 seeds, P = 300. Reading worked_ex" in caption
+    assert "Reduced" not in caption
+
+
 class TestOtherTables:
     """Oja, population 12, lr 0.0025 ends at 2, 4, 9; NEAT, population 6, at 1, 2, 3; others -1.5.
 
