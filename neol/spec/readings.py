@@ -15,8 +15,8 @@ from neol.spec.types import NAME, Model, Text
 
 BASE_READING = "worked_example"
 """Reading that is config/base.yaml itself."""
-DEFAULT_READING = BASE_READING
-"""Reading of runs that name none."""
+DEFAULT_READING = "rare_mutation"
+"""Reading of runs that name none: the one that docs/readings.md arrives at."""
 FIRST_READING = "first"
 """Reading of records that name none, because they are older than readings."""
 

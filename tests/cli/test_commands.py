@@ -11,6 +11,7 @@ from neol.cli.run import parse_seeds
 from neol.run.record_file import read_record
 from neol.spec.configuration import CONFIG, load_configuration
 from neol.spec.plain_yaml import parse_yaml
+from neol.spec.readings import DEFAULT_READING
 from tests.helpers import troubled as troubled
 from tests.helpers.command import TINY, neol, refused, specification
 from tests.helpers.core import require_core
@@ -204,7 +205,7 @@ def test_a_budget_may_be_a_file_of_ones_own(
     spec, settings = specification(f"run {TINY} --budget mine.yaml --output a.parquet", monkeypatch)
     assert (spec.neat.elitism, settings["budget"]) == (3, "mine")
     shown = neol("config --budget ./mine.yaml").stdout
-    assert shown.startswith("# Budget mine, reading worked_example\n")
+    assert shown.startswith(f"# Budget mine, reading {DEFAULT_READING}\n")
     assert "no.yaml: cannot be read (No such file" in refused("config --budget no.yaml")
     assert "mine.yaml: a campaign needs a budget of config/" in refused("status mine.yaml")
 
@@ -275,4 +276,4 @@ def test_a_record_of_another_reading_is_refused(
     assert neol(f"{run} --reading first").exit_code == 0
     assert read_record(tmp_path / "a.parquet").reading == "first"
     line = refused(f"{run} --resume")
-    assert "a.parquet: of another specification: neat.crossover_enabled is " in line
+    assert "a.parquet: of another specification: neat.bias_mutate_rate is " in line

@@ -119,7 +119,7 @@ def test_the_specification_is_in_the_footer(
 def test_a_record_that_is_older_than_readings_is_of_the_first(path: Path, record: Record) -> None:
     forge_record(path, lambda metadata, _: metadata.pop("reading"))
     assert read_record(path).campaign == "first/smoke"
-    assert record.campaign == "default/smoke"
+    assert record.campaign == "worked_example/smoke"
 
 
 def test_what_has_no_specification_is_refused(path: Path) -> None:

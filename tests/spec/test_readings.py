@@ -9,7 +9,7 @@ import pytest
 from neol.spec import configuration as spec
 from neol.spec.configuration import READINGS, load_configuration, reading_schema
 from neol.spec.plain_yaml import read_yaml
-from neol.spec.readings import readings
+from neol.spec.readings import BASE_READING, DEFAULT_READING, read_reading, readings
 from neol.spec.run_spec import ADDED_LATER, RunSpec, complete
 from tests.helpers.refusal import refusal
 from tests.helpers.runs import run_spec
@@ -25,8 +25,9 @@ def test_every_reading_can_be_run(name: str) -> None:
         ).digest()
 
 
-def test_the_default_reading_is_the_base_file() -> None:
-    assert load_configuration("paper") == load_configuration("paper", reading="worked_example")
+def test_a_reading_changes_its_constants_only() -> None:
+    assert load_configuration("paper") == load_configuration("paper", reading=DEFAULT_READING)
+    assert read_reading(READINGS, BASE_READING).constants == {}
     first = load_configuration("paper", reading="first")
     assert first.plasticity.reward_scale == 0.01
     assert first.neat.crossover_enabled == "redraw_if_disabled"

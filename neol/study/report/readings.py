@@ -132,7 +132,7 @@ def page(results: Path = RESULTS) -> Page:
     order = list(candidates())
     screening = Stage(SCREENING, order, results)
     chosen = to_confirm(screening.ranked, BASE_READING)
-    confirmation = Stage(CONFIRMATION, chosen, results)
+    confirmation = Stage(CONFIRMATION, order, results)
     decisive = confirmation if confirmation.complete else screening
     text = render(
         "readings.md.j2",

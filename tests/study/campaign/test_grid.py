@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from neol.spec.configuration import Configuration, load_configuration
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import (
     Cell,
     blocks,
@@ -46,9 +47,9 @@ def test_order_is_that_of_the_file(paper):
 def test_a_record_s_path_says_reading_budget_cell_and_seeds(paper):
     records = [block.record for block in blocks(paper)]
     assert len(set(records)) == len(records) == 224 * 6
-    hebb = "worked_example/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
+    hebb = "rare_mutation/paper/cartpole/hebb/p050_lr0.00025/seeds_000-029.parquet"
     assert records[0] == Path(hebb)
-    neat = "worked_example/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
+    neat = "rare_mutation/paper/bipedal_walker/neat_wo/p300/seeds_027-029.parquet"
     assert records[-1] == Path(neat)
 
 
@@ -76,7 +77,9 @@ def test_runs_of_another_budget_have_its_records(paper):
 )
 def test_runs_that_another_budget_does_not_have(change):
     line = refusal(check_shared_records, load_configuration("first_look", [change]))
-    assert line.startswith("budget first_look: records_of.lunar_lander = paper: worked_example/")
+    assert line.startswith(
+        f"budget first_look: records_of.lunar_lander = paper: {DEFAULT_READING}/"
+    )
 
 
 def test_seeds_may_begin_elsewhere_than_at_0():

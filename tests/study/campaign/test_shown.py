@@ -6,6 +6,7 @@ import pytest
 
 from neol.base.errors import UserError
 from neol.spec.configuration import load_configuration
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
     SHOWN_READING,
@@ -50,14 +51,16 @@ def test_another_reading_has_folders_of_its_own() -> None:
 
 
 def test_what_differs_from_the_default_reading() -> None:
-    assert differs_from_default(select("smoke", reading="worked_example")) == {}
-    first = {
-        "plasticity.reward_scale": ("0.01", "1.0"),
-        "neat.crossover_enabled": ("redraw_if_disabled", "random_parent"),
+    assert differs_from_default(select("smoke", reading=DEFAULT_READING)) == {}
+    base = {
+        "neat.weight_mutate_rate": ("0.8", "0.1"),
+        "neat.weight_replace_rate": ("0.1", "0.01"),
+        "neat.bias_mutate_rate": ("0.7", "0.1"),
+        "neat.bias_replace_rate": ("0.1", "0.01"),
     }
-    assert differs_from_default(select("smoke", "cartpole", "first")) == first
-    more = select("smoke", reading="first+methods.neat.weight_mutation=0.1")
-    assert differs_from_default(more) == first | {"methods.neat.weight_mutation": ("0.1", "config")}
+    assert differs_from_default(select("smoke", "cartpole", "worked_example")) == base
+    more = select("smoke", reading="worked_example+methods.neat.weight_mutation=0.1")
+    assert differs_from_default(more) == base | {"methods.neat.weight_mutation": ("0.1", "config")}
 
 
 def test_only_tasks_differ() -> None:

@@ -26,7 +26,7 @@ def results(tmp_path: Path) -> Path:
 def test_a_reading_counts_once_all_its_runs_are_there(results: Path) -> None:
     assert complete(TASK, results) == [DEFAULT, SMALL_BETA]
     assert complete("lunar_lander", results) == []
-    next(iter(results.glob("default/multiverse/cartpole/neat_wo/*/*.parquet"))).unlink()
+    next(iter(results.glob("worked_example/multiverse/cartpole/neat_wo/*/*.parquet"))).unlink()
     assert complete(TASK, results) == []
 
 

@@ -4,6 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from neol.spec.configuration import ROOT
+from neol.spec.readings import DEFAULT_READING
+from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.multiverse import universes
 from neol.study.campaign.search import CONFIRMATION
 from neol.study.report.readings import confirmation_calls, page, write_page
@@ -95,3 +98,8 @@ def test_the_multiverse_is_shown_where_a_reading_has_all_its_runs(screened: Path
         "readings-multiverse.csv",
         "readings-multiverse-cartpole.png",
     }
+
+
+def test_the_default_is_the_reading_that_the_confirmation_found_nearest() -> None:
+    _, stage, _ = page(ROOT / RESULTS)
+    assert (stage.budget, stage.complete[0]) == (CONFIRMATION, DEFAULT_READING)
