@@ -132,6 +132,7 @@ def test_without_a_compiler_a_run_comes_to_the_same_digest(tmp_path: Path) -> No
 
     options = "--task lunar_lander --method bcm --learning-rate 0.25 --seed 7 --max-steps 100"
     options += " --population 10 --generations 10 --budget paper --quiet --output run.parquet"
+    options += f" --reading {BASE_READING}"
     run = python("neol", "run", *options.split(), *(f"--set={change}" for change in BUSY))
     assert (run.returncode, run.stderr.count("\n")) == (0, 1), run.stderr
     assert "the reference engine plays LunarLander-v3: its C++ core is not built" in run.stderr
