@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
-from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import run_specs
 from neol.study.campaign.search import SCREENING, baseline_blocks, source
-from tests.helpers.made_up import run
+from tests.helpers.made_up import run, write_runs
 
 PAPER = {"neat": (311.77, 8.18, 291.3), "neat_wo": (312.50, 8.97, 286.0)}
 """The paper's final best fitness, its standard deviation, and the mean best fitness."""
@@ -34,6 +33,4 @@ def write_baseline(
         (spec,) = run_specs(configuration, block)
         decline = (mean - final) / ((spec.generations - 1) / 2)
         record = run(spec, budget, final + scale * (place - middle), configuration.reading, decline)
-        path = results / block.record
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_record(path, record)
+        write_runs(results / block.record, [record])

@@ -56,9 +56,13 @@ def write_campaign(
             if value is not None
         ]
         if runs:
-            path = results / block.record
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_record(path, join(runs))
+            write_runs(results / block.record, runs)
+
+
+def write_runs(path: Path, runs: Sequence[Record]) -> None:
+    """Write runs into one record, with the folders that it needs."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_record(path, join(runs))
 
 
 def write_trials(results: Path, configuration: Configuration, gains: Mapping[str, float]) -> None:
@@ -68,12 +72,10 @@ def write_trials(results: Path, configuration: Configuration, gains: Mapping[str
     """
     for name, gain in gains.items():
         for trial in trials(configuration, name):
-            path = results / trial.record
-            path.parent.mkdir(parents=True, exist_ok=True)
             specs = [trial.spec.model_copy(update={"seed": seed}) for seed in trial.seeds]
             budget, reading = configuration.budget.name, configuration.reading
             runs = [run(spec, budget, gain + place, reading) for place, spec in enumerate(specs)]
-            write_record(path, join(runs))
+            write_runs(results / trial.record, runs)
 
 
 def run(

@@ -3,11 +3,9 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from neol.run.record import join
-from neol.run.record_file import write_record
 from neol.study.campaign.grid import run_specs
 from neol.study.campaign.multiverse import BUDGET, Universe, configuration, method_blocks
-from tests.helpers.made_up import run
+from tests.helpers.made_up import run, write_runs
 
 
 def write_universe(results: Path, universe: Universe, task: str, ends: Mapping[str, float]) -> None:
@@ -21,6 +19,4 @@ def write_universe(results: Path, universe: Universe, task: str, ends: Mapping[s
             if block.cell.task == task:
                 specs = run_specs(here, block)
                 runs = [run(spec, BUDGET, end + spec.seed % 5, here.reading) for spec in specs]
-                path = results / block.record
-                path.parent.mkdir(parents=True, exist_ok=True)
-                write_record(path, join(runs))
+                write_runs(results / block.record, runs)

@@ -25,8 +25,11 @@ def test_every_reading_can_be_run(name: str) -> None:
         ).digest()
 
 
-def test_a_reading_changes_its_constants_only() -> None:
+def test_without_a_reading_the_default_is_used() -> None:
     assert load_configuration("paper") == load_configuration("paper", reading=DEFAULT_READING)
+
+
+def test_a_reading_changes_the_constants_of_the_base_file() -> None:
     assert read_reading(READINGS, BASE_READING).constants == {}
     first = load_configuration("paper", reading="first")
     assert first.plasticity.reward_scale == 0.01

@@ -37,7 +37,7 @@ class Block:
     """Seeds `first` to `last` of a cell, which one job runs into one record."""
 
     home: Path
-    """Folder of the campaign below the results folder: first/smoke."""
+    """Folder of the budget that keeps its record, below the results folder: first/smoke."""
     cell: Cell
     first: int
     last: int
@@ -53,14 +53,9 @@ class Block:
         return self.home / self.cell.folder / name
 
 
-def home(configuration: Configuration, task: str = "") -> Path:
-    """Return the folder of a campaign's records below the results folder: first/smoke.
-
-    For a task whose records another budget keeps, it is the folder of that budget.
-    """
-    budget = configuration.budget
-    keeper = budget.records_of.get(task, budget.name)
-    return Path(campaign_name(configuration.reading, keeper))
+def home(configuration: Configuration) -> Path:
+    """Return the folder of a campaign's records below the results folder: first/smoke."""
+    return Path(campaign_name(configuration.reading, configuration.budget.name))
 
 
 def cells(configuration: Configuration) -> list[Cell]:
@@ -94,9 +89,11 @@ def check_shared_records(configuration: Configuration) -> None:
     budget = configuration.budget
     for task, name in budget.records_of.items():
         keeper = load_configuration(name, reading=configuration.reading)
-        kept = {block: run_specs(keeper, block)[0] for block in blocks(keeper)}
+        kept = set(blocks(keeper))
         for block in blocks(configuration):
-            if block.cell.task == task and kept.get(block) != run_specs(configuration, block)[0]:
+            if block.cell.task == task and not (
+                block in kept and run_specs(keeper, block) == run_specs(configuration, block)
+            ):
                 raise UserError(
                     f"budget {budget.name}: records_of.{task} = {name}: {block.record} is not a "
                     f"record of that budget, or not with the same constants"
@@ -142,10 +139,12 @@ def _configurations(table: int) -> list[Cell]:
 
 def _split(configuration: Configuration, cell: Cell) -> Iterator[Block]:
     budget = configuration.budget
+    keeper = budget.records_of.get(cell.task, budget.name)
+    place = Path(campaign_name(configuration.reading, keeper))
     size = budget.seeds_per_job_of(cell.task)
     seeds = budget.seed_range
     for part in (seeds[begin : begin + size] for begin in range(0, len(seeds), size)):
-        yield Block(home(configuration, cell.task), cell, part[0], part[-1])
+        yield Block(place, cell, part[0], part[-1])
 
 
 def _plain(number: float) -> str:

@@ -109,14 +109,14 @@ def ranking(table: pd.DataFrame, seeds: int) -> pd.DataFrame:
     return rows[rows["seeds"] >= seeds].sort_values("distance", kind="stable", ignore_index=True)
 
 
-def to_confirm(ranked: pd.DataFrame, default: str, count: int = 3) -> list[str]:
-    """Return the `count` nearest readings, by the smaller of their two distances, and the default.
+def to_confirm(ranked: pd.DataFrame, always: str, count: int = 3) -> list[str]:
+    """Return the `count` nearest readings, by the smaller of their two distances, and `always`.
 
-    If the default is among them, one more reading is taken.
+    If `always` is among them, one more reading is taken.
     """
     nearest = list(dict.fromkeys(ranked["reading"]))
-    chosen = nearest[: count + (default in nearest[:count])]
-    return list(dict.fromkeys([*chosen, default]))
+    chosen = nearest[: count + (always in nearest[:count])]
+    return list(dict.fromkeys([*chosen, always]))
 
 
 def _curves(

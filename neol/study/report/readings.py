@@ -109,12 +109,16 @@ def _place(row: Mapping[Any, Any]) -> tuple[str, str, str, str]:
 
 
 def _mean(number: Mapping[Any, Any]) -> str:
-    text = f"{number['mean']:.0f} ± {number['sd']:.0f}"
-    return f"**{text}**" if number["compatible"] else text
+    return _marked(f"{number['mean']:.0f} ± {number['sd']:.0f}", number)
 
 
 def _fitting(judged: Mapping[Any, Any]) -> str:
-    return f"**{judged['fitting']}**" if judged["compatible"] else str(judged["fitting"])
+    return _marked(str(judged["fitting"]), judged)
+
+
+def _marked(text: str, judged: Mapping[Any, Any]) -> str:
+    """Return a text in bold if what it says is compatible with the paper."""
+    return f"**{text}**" if judged["compatible"] else text
 
 
 class Page(NamedTuple):

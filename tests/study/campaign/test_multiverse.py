@@ -20,7 +20,7 @@ from tests.helpers.refusal import refusal
 from tests.helpers.runs import evolve, run_spec
 
 
-def test_the_first_reading_is_the_default_and_all_differ() -> None:
+def test_the_first_reading_is_the_worked_example_and_all_differ() -> None:
     every = universes()
     assert len(every) == len({tuple(each.values()) for each in every}) == 32
     methods = load_configuration(BUDGET).budget.methods

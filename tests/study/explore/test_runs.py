@@ -7,11 +7,10 @@ import traitlets
 
 from neol.base.errors import UserError
 from neol.run.catalogue import find_records, table_of_runs
-from neol.run.record_file import write_record
 from neol.study.campaign.grid import RESULTS, Cell, blocks
 from neol.study.campaign.variants import trials
 from neol.study.explore.panel import RunChoice, episode_seed, load_player
-from tests.helpers.made_up import configuration, run, write_campaign
+from tests.helpers.made_up import configuration, run, write_campaign, write_runs
 
 CONFIGURATION = configuration()
 HEBB = "first/smoke/cartpole/hebb/p006_lr0.25/seeds_000-002.parquet"
@@ -30,9 +29,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     partial.mkdir()
     (partial / "seed_000000.parquet").touch()
     trial = trials(CONFIGURATION, "baseline")[0]
-    path = results / trial.record
-    path.parent.mkdir(parents=True)
-    write_record(path, run(trial.spec, "smoke", 9.0))
+    write_runs(results / trial.record, [run(trial.spec, "smoke", 9.0)])
     return results
 
 

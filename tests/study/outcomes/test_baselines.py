@@ -137,7 +137,7 @@ def test_a_record_of_another_reading_is_refused(tmp_path: Path) -> None:
         ([], ["worked_example"]),
     ],
 )
-def test_the_three_nearest_and_the_default_are_confirmed(
+def test_the_three_nearest_and_the_worked_example_are_confirmed(
     nearest: list[str], chosen: list[str]
 ) -> None:
     ranked = pd.DataFrame({"reading": [name for name in nearest for _ in range(2)]}, dtype=object)

@@ -2,12 +2,10 @@
 
 from pathlib import Path
 
-from neol.run.record import join
-from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import Cell, blocks, run_specs
 from neol.study.report.unused_numbers import unused_numbers
-from tests.helpers.made_up import run
+from tests.helpers.made_up import run, write_runs
 
 SEEN, UNSEEN = (Cell("lunar_lander", "neat", population, None) for population in (300, 50))
 HOPPER = Cell("hopper", "neat_wo", 300, None)
@@ -20,9 +18,7 @@ def write(results: Path, *cells: Cell) -> None:
         block = next(each for each in blocks(configuration) if each.cell == cell)
         specs = run_specs(configuration, block)
         runs = [run(spec, "paper", 100.0 + spec.seed, "first") for spec in specs]
-        path = results / block.record
-        path.parent.mkdir(parents=True)
-        write_record(path, join(runs))
+        write_runs(results / block.record, runs)
 
 
 def test_numbers_that_the_search_used_are_left_out(tmp_path: Path) -> None:

@@ -4,8 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from neol.run.record import join
-from neol.run.record_file import write_record
 from neol.study.campaign.jobs import Job
 from neol.study.workflow import outlook
 from neol.study.workflow.status import Folder
@@ -33,9 +31,7 @@ def finish(of: Job, seeds: int = 3, output: Path | None = None) -> None:
         made_up.run(of.spec.model_copy(update={"seed": seed}), "smoke", 7.0, of.reading)
         for seed in list(of.seeds)[:seeds]
     ]
-    path = output or of.record
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_record(path, join(made))
+    made_up.write_runs(output or of.record, made)
 
 
 def log(of: Job, text: str) -> None:
