@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from neol.spec.configuration import ROOT
 
 LOCKS = (
@@ -22,15 +24,20 @@ def test_every_package_of_a_lock_has_a_hash() -> None:
         assert all("==" in line and "--hash=sha256:" in line for line in packages), name
 
 
-def test_make_installs_nothing_without_a_hash() -> None:
-    text = (ROOT / "Makefile").read_text().replace("\\\n", " ")
-    installs = [line for line in text.splitlines() if re.search(r"pip\b.* install ", line)]
-    assert len(installs) == 6
+@pytest.mark.parametrize(("name", "count"), [("Makefile", 6), ("postBuild", 3)])
+def test_nothing_is_installed_without_a_hash(name: str, count: int) -> None:
+    text = (ROOT / name).read_text().replace("\\\n", " ")
+    installs = [line for line in text.splitlines() if re.search(r"pip\b.* install ", f"{line} ")]
+    assert len(installs) == count
     for line in installs:
         editable = "--no-deps --no-build-isolation --editable ." in line
         assert editable or "--require-hashes" in line, line
     (locked,) = (line for line in installs if "--requirement environment.lock" in line)
     assert "--no-build-isolation" in locked
+
+
+def test_conda_installs_no_package_of_python() -> None:
+    assert "- pip:" not in (ROOT / "environment.yml").read_text()
 
 
 def test_actions_are_pinned_by_commit() -> None:
