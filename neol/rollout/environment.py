@@ -1,7 +1,8 @@
 """The boundary to Gymnasium's environments: everything that they return is checked here.
 
 Values that pass have the types and the shape that the environment declares. They may be NaN or
-infinite, which fails a network's evaluation, not the run.
+infinite, which fails a network's evaluation, not the run. They may also leave the declared bounds,
+as those of BipedalWalker do now and then.
 """
 
 import importlib
