@@ -29,8 +29,14 @@ from neol.study.workflow.exhibits import GRID, by_notebook, exhibits, records
 from neol.study.workflow.snakemake import (
     clear_stale_locks,
     pattern,
+    refuse_braces,
     refuse_unknown_exhibits,
 )
+
+try:
+    refuse_braces(Path.cwd(), Path(sys.prefix), this_package())
+except UserError as error:
+    sys.exit(f"neol: {error}")
 
 # The Python of this environment, also if it is not activated: `conda:` below only documents the software, because
 # `snakemake --lint` requires it. Jupyter finds this environment's kernel before any other of its name, such as a

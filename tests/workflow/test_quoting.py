@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from neol.spec.configuration import ROOT
-from tests.workflow.clone import SMOKE, fresh_clone
+from tests.workflow.clone import SMOKE, fresh_clone, snakemake
 
 HOSTILE = 'it\'s $(touch PWNED) "here"'
 """Name of a folder with characters that shells and make interpret."""
@@ -70,3 +70,13 @@ def test_the_workflow_works_in_a_folder_of_any_name(tmp_path: Path) -> None:
         assert result.returncode == 0, result.stderr
         assert (clone / target[0]).exists()
     assert not list(clone.rglob("PWNED"))
+
+
+@pytest.mark.slow
+def test_a_folder_with_a_brace_is_refused_in_a_line(tmp_path: Path) -> None:
+    clone = fresh_clone(tmp_path / "a{b}c")
+    result = snakemake(clone, "figures/table3.tex")
+    assert result.returncode == 1
+    (line,) = (line for line in result.stderr.splitlines() if "neol:" in line)
+    assert line.endswith("below a name with a brace; rename it")
+    assert "Traceback" not in result.stderr

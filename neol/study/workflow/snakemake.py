@@ -1,4 +1,4 @@
-"""Functions for the Snakefile: a pattern for its records, and removal of stale locks."""
+"""Functions for the Snakefile: a pattern for its records, refusals, and removal of stale locks."""
 
 import fcntl
 import platform
@@ -24,6 +24,13 @@ def pattern(records: Iterable[Path]) -> str:
         folders.setdefault(record.relative_to(RESULTS).parent, []).append(re.escape(record.stem))
     alternatives = (f"{re.escape(str(f))}/(?:{'|'.join(names)})" for f, names in folders.items())
     return "|".join(alternatives) or "(?!)"
+
+
+def refuse_braces(*paths: Path) -> None:
+    """Raise UserError if a path has a brace, which Snakemake takes for the beginning of a name."""
+    for path in paths:
+        if set("{}") & set(str(path)):
+            raise UserError(f"{path}: Snakemake cannot work below a name with a brace; rename it")
 
 
 def refuse_unknown_exhibits(arguments: Iterable[str], configuration: Configuration) -> None:
