@@ -17,7 +17,7 @@ class BipedalWalker final : public Simulation {
       rays[i] = {std::sin(1.5 * i / 10.0) * lidar_range, std::cos(1.5 * i / 10.0) * lidar_range};
   }
 
-  // The action: how hard hip, knee, hip and knee turn, each in [-1, 1].
+  // The action: torques of hip, knee, hip and knee, each in [-1, 1].
   void act(const float* action) override {
     for (int i = 0; i < joint_count; ++i) {
       const float speed = static_cast<float>(i % 2 == 0 ? hip_speed : knee_speed);
@@ -30,13 +30,14 @@ class BipedalWalker final : public Simulation {
     for (int i = 0; i < lidar_count; ++i) cast_plainly(i);
   }
 
-  // The same without a search through the broad phase's tree, which ends with the nearest hit
-  // whatever its order. A hit of a ray that is so short and so near the origin lies within 0.001 of
-  // both the ray and what it hits, rounding included: on the ray since the fraction is in [0, 1];
-  // on an edge since the fraction is numerator / denominator of its distance from the edge's line,
-  // to within a few roundings of numbers below 200, and its projection is on the edge; on a block
-  // since each of its four axis-parallel sides has cut the ray. So what is farther than `margin`
-  // from the ray's box cannot be hit, and what can be is in the tree's boxes, which are 0.1 wider.
+  // The same without searching the broad phase's tree, whose result, the nearest hit, does not
+  // depend on the order of the search. The rays are so short and so near the origin that a hit lies
+  // within 0.001 of both the ray and the obstacle, rounding included: on the ray because the
+  // fraction is in [0, 1]; on an edge because the fraction is numerator / denominator of the
+  // distance from the edge's line, exact to a few roundings of numbers below 200, and the
+  // projection is on the edge; on a block because the ray was clipped at each of its four
+  // axis-parallel sides. So an obstacle farther than `margin` from the ray's box cannot be hit. All
+  // others are in the tree's boxes, which are 0.1 wider.
   void sense() override {
     const b2Vec2 position = hull->GetPosition();
     const bool near = std::abs(position.x) < 150 && std::abs(position.y) < 150;
@@ -67,7 +68,7 @@ class BipedalWalker final : public Simulation {
     write(state, observation);
 
     const double shaping = 130 * double{position.x} / scale - 5.0 * std::abs(state[0]);
-    float net = static_cast<float>(gain(shaping));  // numpy goes on in the dtype of the action
+    float net = static_cast<float>(gain(shaping));  // NumPy continues in the action's dtype
     for (int i = 0; i < joint_count; ++i)
       net -= static_cast<float>(0.00035 * motor_torque) * effort(action[i]);
 

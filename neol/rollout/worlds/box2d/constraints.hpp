@@ -1,4 +1,4 @@
-// What the iterations of one island's solution read and change.
+// State of one island that the solver's iterations read and change.
 #pragma once
 
 #include "position.hpp"
@@ -17,13 +17,13 @@ struct BipedalWalkerParts {
   static constexpr int body_a[] = {1, 2, 2, 3}, body_b[] = {0, 1, 3, 4};
 };
 
-// The most that an island can have: of bodies and joints the tasks have no more, and with more
-// contacts it would be out of the ordinary.
+// The largest island: no task has more bodies or joints, and a step with more contacts is left to
+// Box2D.
 constexpr int max_bodies = 5, max_joints = 4, max_contacts = 24;
 
-// All of one island, contacts in the order of their bodies.
+// One whole island. Contacts are in the order of their bodies.
 struct Constraints {
-  // What iterations read and change: from equal states they go on equally.
+  // What iterations read and change: equal states have equal continuations.
   struct State {
     Velocity<float> velocity[max_bodies];
     JointImpulse<float> joint[max_joints];

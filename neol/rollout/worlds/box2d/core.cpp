@@ -26,7 +26,7 @@ struct Group {
   int observation_size;
   Path path;
   std::vector<std::unique_ptr<Simulation>> slots;
-  std::vector<Simulation*> stepping;  // room for a step
+  std::vector<Simulation*> stepping;  // scratch memory of a step
   std::vector<const float*> acting;
 };
 
@@ -42,7 +42,7 @@ std::unique_ptr<Simulation> simulation_of(int task) {
 
 }  // namespace
 
-// What the library was made from: see library.py.
+// Digest of the sources and flags: `stamp` in library.py.
 NEOL_EXPORT const char* neol_stamp() { return NEOL_STAMP; }
 
 // Whether this machine has a path, by its number in `Path`.
@@ -102,8 +102,8 @@ NEOL_EXPORT void neol_step(Group* group, std::int64_t count, const std::int64_t*
   }
 }
 
-// For benchmarks: Box2D's own physics of `steps` steps of the first slot from here on, with `width`
-// numbers for each action.
+// For benchmarks: the next `steps` steps of Box2D's own physics in the first slot. An action has
+// `width` numbers.
 NEOL_EXPORT void neol_physics(Group* group, const float* actions, int width, int steps) {
   for (int i = 0; i < steps; ++i) group->slots.front()->advance(actions + i * width);
 }

@@ -7,10 +7,10 @@ namespace neol {
 
 namespace {
 
-// Far below what overflows when it is squared twice, far above where any task's parts get.
+// Far below the values that overflow when squared twice, far above any coordinate in the tasks.
 constexpr float too_far = 1e6f, too_fast = 1e6f;
 
-bool is_below(float value, float limit) { return std::abs(value) < limit; }  // not where it is NaN
+bool is_below(float value, float limit) { return std::abs(value) < limit; }  // false for NaN
 
 b2Transform transform(const b2Vec2& centre, const b2Rot& rotation, const b2Vec2& local_centre) {
   return {centre - b2Mul(rotation, local_centre), rotation};
@@ -18,8 +18,8 @@ b2Transform transform(const b2Vec2& centre, const b2Rot& rotation, const b2Vec2&
 
 }  // namespace
 
-// The depth-first search of b2World::Solve. Contacts do not matter to it: they lead to the ground,
-// where it ends.
+// The depth-first search of b2World::Solve. Contacts do not matter: they lead to the ground, where
+// the search ends.
 void Island::attach(b2World* world) {
   world_ = world;
   bodies = joints = 0;
@@ -171,7 +171,7 @@ bool Island::read_contact(const b2TimeStep& step, b2Contact* contact, int index)
   }
   if (!terms.two) impulse.normal[1] = impulse.tangent[1] = 0;
 
-  // What is given in the ground's frame is given where it is.
+  // The ground's face and points, given in its frame, are moved to the world's frame.
   const bool on_ground = manifold.type == b2Manifold::e_faceA;
   face.face_is_ground = -on_ground;
   face.second = -(count == 2);
@@ -307,7 +307,7 @@ void Island::write(const b2TimeStep& step) {
       contact_[i]->m_manifold.points[j].normalImpulse = state.contact[i].normal[j];
       contact_[i]->m_manifold.points[j].tangentImpulse = state.contact[i].tangent[j];
     }
-  float resting = b2_maxFloat;  // for how long all parts have
+  float resting = b2_maxFloat;  // time that all parts have rested
   for (int i = 0; i < bodies; ++i) {
     b2Body& part = *body[i];
     part.m_sweep.c0 = part.m_sweep.c;

@@ -1,10 +1,9 @@
 // The moving parts of a world as Box2D's solver sees them: read from the world, solved here, and
-// written back. Nothing of the world changes before it is written, so where an island is out of
-// the ordinary (asleep, too fast, not a number) Box2D's own solver can take the step instead.
-//
-// The tasks' worlds are simple: parts hang together by hinges in one island, and touch nothing but
-// the ground, which stands still at the origin. So an impulse on the ground changes nothing, and
-// the terms of the ground's mass, zero times something finite, are left out of sums.
+// written back. The world does not change before the results are written, so Box2D's own solver can
+// take the step of an unusual island (asleep, too fast, not a number) instead.
+// The tasks' worlds are simple: hinges connect all parts to one island, which touches only the
+// ground, and the ground does not move. So an impulse on the ground changes nothing, and the terms
+// with the ground's inverse mass, zero times a finite number, are left out of sums.
 #pragma once
 
 #include <Box2D/Box2D.h>
@@ -18,18 +17,18 @@ class Island : public Constraints {
   // The order of parts and joints in a new world's island.
   void attach(b2World* world);
 
-  // Takes in a step's beginning: forces, warm starting, the terms of joints and contacts. Whether
-  // the island is an ordinary one.
+  // Begins a step: forces, warm starting, the terms of joints and contacts. Returns whether the
+  // island is an ordinary one, which can be solved here.
   bool read(const b2TimeStep& step);
 
-  // After the velocity iterations and before the position iterations.
+  // Moves the parts, after the velocity iterations and before the position iterations.
   void integrate(const b2TimeStep& step);
 
-  // Whether the results are numbers: then so were all impulses on the way to them, since each
-  // was added to a velocity or position, and what is infinite or not a number stays so.
+  // Whether the results are finite. Then all impulses were, because each was added to a velocity or
+  // a position, where an infinity or NaN remains.
   bool is_finite() const;
 
-  // Writes the results to the world, sends resting parts to sleep.
+  // Writes the results to the world and puts resting parts to sleep.
   void write(const b2TimeStep& step);
 
   b2Body* body[max_bodies];

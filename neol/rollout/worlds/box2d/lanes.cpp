@@ -1,4 +1,4 @@
-// Compiled once for each kind of vector, NEOL_LANES its name; without, there is nothing here.
+// Compiled once for each kind of vector, named by NEOL_LANES; without it this file is empty.
 #include "lanes.hpp"
 
 #ifdef NEOL_LANES
@@ -45,7 +45,7 @@ NEOL_INLINE void clear(Struct<Real>& lanes) {
   __builtin_memset(&lanes, 0, sizeof lanes);
 }
 
-// Calls visit(i, body, slot) for each contact: of its body's, the slot's.
+// Calls visit(i, body, slot) for each contact i, which is contact number `slot` of its body.
 template <class Visit>
 NEOL_INLINE void for_each_contact(const Constraints& island, Visit visit) {
   for (int i = 0, slot = 0; i < island.contacts; ++i, ++slot) {
@@ -55,9 +55,9 @@ NEOL_INLINE void for_each_contact(const Constraints& island, Visit visit) {
   }
 }
 
-// As many worlds as a vector has lanes. Of what a lane does not use, all is zero, and no impulse
-// comes of it. A body's contacts have slots of their own: since the ground does not move, contacts
-// of different bodies do not meet, and only the order of one body's own matters.
+// As many worlds as a vector has lanes. Entries that a lane does not use are zero, so their
+// impulses are zero. Each body has slots for its own contacts: the ground does not move, so
+// contacts of different bodies are independent, and only the order of one body's contacts matters.
 template <class Parts>
 struct VelocityGroup {
   Velocity<Real> velocity[Parts::bodies];
@@ -171,7 +171,8 @@ bool any(Mask<Real> mask) {
   return found != 0;
 }
 
-// As VelocityGroup, for the position iterations. A lane is active until its errors are small.
+// The same as VelocityGroup, for the position iterations. A lane is active until its errors are
+// small.
 template <class Parts>
 struct PlaceGroup {
   Place<Real> place[Parts::bodies];
@@ -249,13 +250,13 @@ struct PlaceGroup {
                                   place[a], place[b], turn);
   }
 
-  // After an iteration: whether another is to be made.
+  // Whether a lane needs another iteration.
   bool go_on() {
     active &= ~resolved;
     return any(active);
   }
 
-  // What of the iterations is left to do is `left`, in lanes that are still active.
+  // `left`: iterations that remain in lanes that are still active.
   void write(Constraints* const* islands, int count, int left, int* iterations_left) {
     for (int i = 0; i < Parts::bodies; ++i) rotate(place[i]);
     for (int lane = 0; lane < count; ++lane) {

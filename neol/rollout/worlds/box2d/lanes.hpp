@@ -7,7 +7,7 @@
 
 namespace neol {
 
-// A body with more contacts than this is too rare to have its place in each group of lanes.
+// A body with more contacts is too rare to reserve space for it in each group of lanes.
 constexpr int contact_slots = 6;
 
 // A kind of vector.
@@ -15,9 +15,9 @@ struct Lanes {
   int width;  // how many worlds it holds
   void (*solve_velocities)(Constraints* const* islands, int count, int iterations);
 
-  // Makes up to `iterations` position iterations and notes for each island how many are left to do:
-  // `left` where errors are not small by then, else none. Where an angle was too large for `sines`
-  // nothing is changed or noted. Null where there are no sines.
+  // Makes up to `iterations` position iterations and writes for each island how many remain: `left`
+  // if its errors are still large, else 0. If an angle is too large for `sines`, nothing of the
+  // island is changed or written. Null without sines.
   void (*solve_places)(Constraints* const* islands, int count, int iterations, int left,
                        int* iterations_left);
 

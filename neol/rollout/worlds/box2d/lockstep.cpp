@@ -121,8 +121,8 @@ class Batch {
   }
 
  private:
-  // Worlds with as many contacts keep company, so that few lanes wait for contacts of others. A
-  // vector with few worlds would take longer than they do one by one.
+  // Worlds with equally many contacts share vectors, so that few lanes wait for contacts of others.
+  // A vector with few worlds would take longer than these worlds one by one.
   void arrange() {
     std::sort(together_.begin(), together_.end(),
               [](const Constraints* a, const Constraints* b) { return a->contacts > b->contacts; });
@@ -135,7 +135,7 @@ class Batch {
     together_.resize(together_.size() - rest);
   }
 
-  // Most errors are small after a few iterations; the lanes that go on close their ranks.
+  // Most errors are small after a few iterations; the remaining worlds are then packed together.
   void solve_places_together(int iterations) {
     constexpr int few = 3;
     std::vector<Constraints*> unsolved = together_;

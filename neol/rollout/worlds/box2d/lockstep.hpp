@@ -7,13 +7,13 @@
 
 namespace neol {
 
-// `shortcut` solves one world after the other, each of the others many in the lanes of vectors.
+// `shortcut` solves one world after the other, the paths after it many at once in a vector's lanes.
 enum class Path { plain, shortcut, sse2, avx2, avx512, neon };
 
-// Whether this processor and this build have it.
+// Whether this processor and this build have a path.
 bool available(Path path);
 
-// The fastest of those.
+// The fastest of the available paths.
 Path best_path();
 
 // The vectors of a path that is available; null where it has none.

@@ -1,7 +1,7 @@
-// The position iterations of Box2D's solver, for one world or several in lockstep, as the velocity
-// iterations are in velocity.hpp: b2ContactSolver::SolvePositionConstraints and
-// b2RevoluteJoint::SolvePositionConstraints. Whoever calls them gives `rotate`, which brings the
-// sine and cosine of a place up to date.
+// The position iterations of Box2D's solver, for one world or several in lockstep, as in
+// velocity.hpp: b2ContactSolver::SolvePositionConstraints and
+// b2RevoluteJoint::SolvePositionConstraints. The caller passes `rotate`, which computes a place's
+// sine and cosine from its angle.
 #pragma once
 
 #include "velocity.hpp"
@@ -15,7 +15,7 @@ constexpr float angular_slop = 2.0f / 180.0f * 3.14159265359f;
 constexpr float max_correction = 0.2f, max_angular_correction = 8.0f / 180.0f * 3.14159265359f;
 constexpr float share_corrected = 0.2f, least_separation = -3.0f * slop;
 
-// Where a body's centre of mass is, and how the body is turned.
+// A body's centre of mass and rotation.
 template <class Real>
 struct Place {
   Real x, y, angle;
@@ -65,8 +65,8 @@ NEOL_INLINE Vector<Real> rotated(const Place<Real>& place, Real x, Real y) {
   return {place.cosine * x - place.sine * y, place.sine * x + place.cosine * y};
 }
 
-// Whether the joint was as it should be. `limited`: whether it is at a limit in any lane; lanes
-// that are not `active` stay as they are.
+// Returns whether the joint's errors were small. `limited`: whether it is at a limit in any lane.
+// Lanes that are not `active` do not change.
 template <class Real, class Rotate>
 NEOL_INLINE Mask<Real> solve_hinge_place(const HingePlace<Real>& hinge,
                                          const BodyTerms<Real>& body_a,

@@ -16,7 +16,7 @@ void solve_velocities_of(Constraints& island, int iterations) {
   const auto iterate_once = [&](HingeImpulse<float>* changes) {
     for (int i = 0; i < Parts::joints; ++i) {
       const JointTerms<float>& joint = island.joint_terms[i];
-      changes[i] = {-0.0f, -0.0f};  // to which x is added as x, -0 too
+      changes[i] = {-0.0f, -0.0f};  // adding x to it gives x, also for x = -0
       solve_joint(joint, joint.at_lower | joint.at_upper, state.joint[i], changes[i],
                   state.velocity[Parts::body_a[i]], state.velocity[Parts::body_b[i]]);
     }

@@ -1,15 +1,14 @@
-// The iterations of one world, those that only repeat left out. An iteration is a function of the
-// numbers that it reads and changes; when these have come back, bit for bit, to what they once
-// were, all that followed then will follow again, and only the remainder of the last round is left
-// to do.
+// The iterations of one world, without those that only repeat. An iteration is a function of the
+// numbers that it reads and changes. Once these return to earlier values, bit for bit, the
+// iterations in between repeat, and only the remainder of the last cycle has to be computed.
 #pragma once
 
 #include "constraints.hpp"
 
 namespace neol {
 
-// When to save a state with which later ones are compared (Brent's way to find a cycle): ever more
-// seldom, so that a cycle of any length is met whole, however late it is entered.
+// When to save a state for comparison with later ones (Brent's cycle detection): at growing
+// intervals, so that a cycle of any length is found, however late it begins.
 class SavePoints {
  public:
   // Whether to save after `done` iterations.
@@ -23,8 +22,8 @@ class SavePoints {
   int next_ = 1;
 };
 
-// The impulses of hinges are not read by the velocity iterations, they only add up: these additions
-// are made, each in its turn.
+// The velocity iterations do not read the hinges' impulses, which only add up. These additions are
+// made in their order for all iterations, also for those left out.
 void solve_velocities(Constraints& island, int iterations);
 
 // Position iterations, until errors are small.

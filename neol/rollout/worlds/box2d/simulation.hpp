@@ -54,8 +54,7 @@ class Simulation {
     step(idle, observation, &reward);
   }
 
-  // The start without the step. The world is a new one, so nothing of an earlier episode reaches
-  // this one.
+  // The same without the step. The world is new, so no earlier episode can affect this one.
   void begin(const Pcg64& stream) {
     world = std::make_unique<b2World>(Point{0, -10});
     world->SetContactListener(&(contacts = {}));
@@ -66,7 +65,7 @@ class Simulation {
     failed = false;
   }
 
-  // Takes a step: whether the episode has terminated.
+  // Takes a step; returns whether the episode has terminated.
   bool step(const float* action, double* observation, double* reward) {
     act(action);
     time_step.take(seconds, velocity_iterations, position_iterations);
@@ -74,7 +73,7 @@ class Simulation {
     return observe(action, observation, reward);
   }
 
-  // The physics of a step as Box2D takes it, with the same bits: what all else is measured by.
+  // The physics of a step by Box2D's own loop, the reference for all other paths.
   void advance(const float* action) {
     act(action);
     world->Step(seconds, velocity_iterations, position_iterations);
@@ -82,15 +81,16 @@ class Simulation {
     sense_plainly();
   }
 
-  // The parts of a step: the forces of the action; ray casts of the sensors after the world's time
-  // step, as they are and through Box2D; what comes of it.
+  // The parts of a step: the action's forces; after the world's time step the sensors' ray casts,
+  // by our search and by Box2D's; then observation, reward and end.
   virtual void act(const float* action) = 0;
   virtual void sense() {}
   virtual void sense_plainly() {}
 
   virtual bool observe(const float* action, double* observation, double* reward) = 0;
 
-  // Forgets a world in which Box2D has failed an assertion: its destructor would fail another.
+  // Leaks a world in which Box2D has failed an assertion, because its destructor would fail
+  // another.
   void abandon() { static_cast<void>(world.release()); }
 
   static constexpr float idle[4] = {};  // an action
@@ -99,7 +99,7 @@ class Simulation {
   int velocity_iterations = 6 * 30;
 
   std::unique_ptr<b2World> world;
-  TimeStep time_step;   // which takes a step where `advance` does not
+  TimeStep time_step;   // takes all steps but those of `advance`
   bool failed = false;  // an assertion of Box2D, since the last reset
 
  protected:
@@ -135,7 +135,7 @@ class Simulation {
     return body;
   }
 
-  // A hinge with limits and a motor. Its angle counts from where it starts: pybox2d's doing.
+  // A hinge with limits and a motor. Its angle is measured from the initial one, as pybox2d does.
   b2RevoluteJoint* add_hinge(b2Body* a, b2Body* b, Point anchor_a, Point anchor_b, double lower,
                              double upper, double torque, double speed) {
     b2RevoluteJointDef definition;
@@ -173,7 +173,7 @@ class Simulation {
     return shape;
   }
 
-  // What a step adds to the shaping, of which the reward is made; an episode's first adds nothing.
+  // The step's increase of the shaping, which is part of the reward; 0 in an episode's first step.
   double gain(double shaping) {
     const double change = previous_shaping ? shaping - *previous_shaping : 0.0;
     previous_shaping = shaping;

@@ -17,7 +17,7 @@ typedef int HalfWords __attribute__((vector_size(2 * NEOL_WIDTH)));
 
 constexpr float sines_begin = 0x1p-12f;  // below, an angle is its own sine
 
-// Of angles below sines_end.
+// Sines and cosines of angles below sines_end.
 NEOL_INLINE void half_sines(HalfReal angle, HalfReal& sine, HalfReal& cosine) {
   const Doubles zero{};
   Doubles x = __builtin_convertvector(angle, Doubles);

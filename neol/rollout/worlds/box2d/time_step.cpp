@@ -14,8 +14,8 @@ namespace {
 
 bool is_static(const b2Body* body) { return body->GetType() == b2_staticBody; }
 
-// The velocity iterations of an impact, those that only repeat left out as in shortcut.hpp: without
-// joints, so all that they change is compared.
+// The velocity iterations of an impact, without those that only repeat, as in shortcut.hpp. There
+// are no joints, so all that they change is compared.
 void iterate_impact(b2Island& island, b2ContactSolver& solver, int iterations) {
   struct Impulses {
     float normal[b2_maxManifoldPoints], tangent[b2_maxManifoldPoints];
@@ -119,7 +119,7 @@ bool TimeStep::begin(float seconds, int velocity_iterations, int position_iterat
   return ordinary_ = island.read(step_);
 }
 
-// Of the ground's pieces none asks for its neighbours: they would not touch each other.
+// Leaves out the pieces of the ground, which cannot touch each other.
 void TimeStep::find_first_contacts() {
   b2BroadPhase& broad_phase = world_->m_contactManager.m_broadPhase;
   for (int i = 0; i < broad_phase.m_moveCount; ++i) {
@@ -195,7 +195,7 @@ void TimeStep::solve_impacts() {
       if (is_static(fixture->m_body)) fixture->m_body->m_sweep.alpha0 = 0.0f;
 }
 
-// Brings the time of a contact's impact up to date: whether it is one to consider.
+// Updates the time of a contact's impact; returns whether it has to be considered.
 bool TimeStep::update_impact(b2Contact* contact) {
   if (!contact->IsEnabled() || contact->m_toiCount > b2_maxSubSteps) return false;
   if (contact->m_flags & b2Contact::e_toiFlag) return true;

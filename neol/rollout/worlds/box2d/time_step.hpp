@@ -1,7 +1,7 @@
-// A world's time step, b2World::Step, in parts, between which the iterations of its island's
-// solution are made. It is taken as Box2D takes it, but for three things: the
-// island's solver is ours (island.hpp), nothing walks over the bodies of the ground, of which there
-// are two hundred, and iterations that only repeat are not made.
+// A world's time step, b2World::Step, in parts, between which the solver's iterations are made. It
+// differs from Box2D's in three ways that change no bit: the island's solver is ours (island.hpp),
+// the two hundred bodies of the ground are not visited, and iterations that only repeat are not
+// made.
 //
 // All of this needs the private members of Box2D's classes, so the core is compiled without access
 // control (FLAGS in library.py).
@@ -16,19 +16,19 @@ class TimeStep {
   // A new world: its moving parts come first in the list of its bodies, then the ground.
   void attach(b2World* world);
 
-  // Up to the velocity iterations. Whether these and what follows are to be made in `island`: else
-  // `finish` leaves all of the solving to Box2D.
+  // The step up to the velocity iterations. Returns whether `island` makes these and the rest; if
+  // not, `finish` leaves the solving to Box2D.
   bool begin(float seconds, int velocity_iterations, int position_iterations);
 
-  // From the velocity iterations to the position iterations.
+  // The step from the velocity iterations to the position iterations.
   void integrate() { island.integrate(step_); }
 
   void finish();
 
-  // All of it, in this world alone.
+  // The whole step, in this world alone.
   void take(float seconds, int velocity_iterations, int position_iterations);
 
-  // Box2D itself has taken a step, which leaves times of impact with the ground.
+  // To be called after Box2D itself has taken a step, which leaves times of impact with the ground.
   void note_plain_step() { ground_is_reset_ = false; }
 
   Island island;

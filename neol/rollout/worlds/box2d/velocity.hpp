@@ -1,10 +1,10 @@
 // The velocity iterations of Box2D's solver, for one world (Real = float) or for several in
-// lockstep (Real = a vector of floats, a lane a world). Each operation is that of
+// lockstep (Real = a vector of floats, one lane for each world). Each operation is that of
 // b2RevoluteJoint::SolveVelocityConstraints and b2ContactSolver::SolveVelocityConstraints, with the
-// same operands in the same order, so each lane has Box2D's bits. Three things are left out, none
-// of which can change a bit: what is the same in each iteration is computed once, before them;
-// the ground, which never moves, gets no impulses; where Box2D branches, both sides are computed
-// and one is chosen.
+// same operands in the same order, so each lane has Box2D's bits. Three things differ, none of
+// which can change a bit: values that are the same in each iteration are computed once; the ground,
+// which never moves, gets no impulses; where Box2D branches, both sides are computed and one is
+// chosen.
 //
 // This file is compiled once for each kind of vector, so it includes nothing that other files
 // include too: the linker keeps one copy of an inline function, and that must run on every machine.
@@ -14,7 +14,7 @@
 
 namespace neol {
 
-// What a comparison of Reals gives; all its bits are set where it holds. One word a lane.
+// Result of comparing Reals: one word for each lane, with all bits set where the comparison holds.
 template <class Real>
 struct MaskOf {
   using Type = decltype(Real{} < Real{});
@@ -31,7 +31,7 @@ struct Velocity {
   Real x, y, turn;
 };
 
-// What the iterations read of a hinge with a motor and limits, and do not change.
+// The part of a hinge with a motor and limits that iterations only read.
 template <class Real>
 struct JointTerms {
   Real mass_a, inertia_a, mass_b, inertia_b;         // inverse
@@ -43,7 +43,8 @@ struct JointTerms {
   Mask<Real> at_lower, at_upper;  // limits
 };
 
-// What they change of it. `x` and `y`, the hinge's impulse, only add up: no iteration reads them.
+// The part that they change. `x` and `y`, the hinge's impulse, only add up: no iteration reads
+// them.
 template <class Real>
 struct JointImpulse {
   Real motor, limit;
@@ -81,7 +82,7 @@ NEOL_INLINE Real clamp(Real value, Real low, Real high) {
   return low > value ? low : value;
 }
 
-// The same for a mask: a scalar's mask is a truth value, which ~ would not negate.
+// a and not b. The mask of a scalar is a truth value, which ~ would not negate.
 template <class Real>
 NEOL_INLINE Mask<Real> and_not(Mask<Real> a, Mask<Real> b) {
   if constexpr (sizeof(Real) == sizeof(float))
@@ -108,7 +109,7 @@ NEOL_INLINE void solve_joint(const JointTerms<Real>& joint, bool limited,
   const Real rate_y = b.y + b.turn * joint.arm_b_x - a.y - a.turn * joint.arm_a_x;
   const Mask<Real> at_limit = joint.at_lower | joint.at_upper;
   Real to_x = -rate_x, to_y = -rate_y;
-  if (limited) {  // which pushes already
+  if (limited) {  // the limit already pushes
     to_x = at_limit ? to_x + impulse.limit * joint.k13 : to_x;
     to_y = at_limit ? to_y + impulse.limit * joint.k23 : to_y;
   }
