@@ -24,8 +24,10 @@ from neol.spec.sources import by_dotted_key
 from neol.study.figures.plots import clip_to_runs, draw_curve
 from neol.study.outcomes.score import samples, score
 from neol.study.outcomes.statistics import mean_interval
+from neol.study.verification.returns import Returns, returns_of
 
 LETTERS = string.ascii_uppercase
+UNBOUNDED = Returns(-math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,11 @@ class Compared:
         plasticity = self.spec.plasticity
         rate = f", η = {plasticity.learning_rate:g}" if plasticity.learns else ""
         return f"{method_label(self.spec.method)}, P = {self.spec.population}{rate}"
+
+    @property
+    def bounds(self) -> Returns:
+        """Return the bounds of a return in the task."""
+        return returns_of(self.spec.task) or UNBOUNDED
 
     @cached_property
     def best_fitness(self) -> pd.DataFrame:
@@ -76,19 +83,23 @@ def differing_constants(compared: Sequence[Compared]) -> dict[str, list[str]]:
 def outcome_rows(compared: Sequence[Compared]) -> dict[str, list[str]]:
     """Return the outcomes of the runs, each with its mean over seeds and 95% interval.
 
-    SCORE is included if all are runs of the same budget, which gives it its unit.
+    Intervals of returns are cut at the bounds of the task. SCORE is included if all are runs of the
+    same budget, which gives it its unit.
     """
     rows = {
         "runs": [str(len(each.record.seeds)) for each in compared],
-        "final best fitness": [_mean(each.best_fitness.ffill().iloc[-1]) for each in compared],
+        "final best fitness": [
+            _mean(each.best_fitness.ffill().iloc[-1], bounds=each.bounds) for each in compared
+        ],
         "held-out return": [
-            _mean([_held_out(info) for info in each.record.seeds]) for each in compared
+            _mean([_held_out(info) for info in each.record.seeds], bounds=each.bounds)
+            for each in compared
         ],
     }
     if divisors := _score_samples(compared):
         rows["SCORE"] = [
             _mean([score(best.dropna(), each.spec.population, divisor)
-                   for _, best in each.best_fitness.items()], 3)
+                   for _, best in each.best_fitness.items()], digits=3)
             for each, divisor in zip(compared, divisors, strict=True)
         ]  # fmt: skip
     return rows
@@ -168,12 +179,12 @@ def _score_samples(compared: Sequence[Compared]) -> list[float]:
     return [samples(each.spec.generations, largest) for each in compared]
 
 
-def _mean(values: npt.ArrayLike, digits: int = 1) -> str:
-    """Format the mean with Student's interval."""
+def _mean(values: npt.ArrayLike, *, digits: int = 1, bounds: Returns = UNBOUNDED) -> str:
+    """Format the mean with Student's interval, cut at the bounds of what is possible."""
     known = np.asarray(values, dtype=np.float64)
     known = known[~np.isnan(known)]
     if not len(known):
         return "none"
     mean = f"{known.mean():.{digits}f}"
-    low, high = mean_interval(known)
+    low, high = np.clip(mean_interval(known), bounds.lowest, bounds.highest)
     return mean if len(known) == 1 else f"{mean} [{low:.{digits}f}, {high:.{digits}f}]"
