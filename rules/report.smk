@@ -141,9 +141,7 @@ rule readings_page:
             for folder in sorted(Path("results").glob(f"*/{budget}"))
             for record in records_below(folder)
         ],
-        unused=sorted(
-            glob(f"results/{DEFAULT_READING}/{PAPER_BUDGET}/*/neat*/*/*.parquet")
-        ),
+        paper=sorted(glob(f"results/{DEFAULT_READING}*/{PAPER_BUDGET}/*/*/*/*.parquet")),
         candidates=glob("config/search/*.yaml") + sorted(glob("config/readings/*.yaml")),
         code=sorted(
             {

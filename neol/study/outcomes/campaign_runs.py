@@ -88,11 +88,17 @@ class CellRuns:
 class Campaign:
     """A budget's runs in a results folder; each cell is read once, when it is first asked for."""
 
-    def __init__(self, configuration: Configuration, results: Path = RESULTS) -> None:
-        """Raise UserError if the calling workflow runs another installation of neol."""
+    def __init__(
+        self, configuration: Configuration, results: Path = RESULTS, *, partial: bool = False
+    ) -> None:
+        """Raise UserError if the calling workflow runs another installation of neol.
+
+        `partial`: whether runs are expected to be missing, so that no note says which.
+        """
         refuse_another_package()
         self.configuration = configuration
         self._results = results
+        self._partial = partial
         self._blocks: dict[Cell, list[Block]] = {}
         for block in blocks(configuration):
             self._blocks.setdefault(block.cell, []).append(block)
@@ -143,7 +149,7 @@ class Campaign:
                 held_out[info.seed] = math.nan if mean is None else mean
                 cpu_seconds[info.seed] = info.cpu_seconds
             sources.append(source)
-        if missing:
+        if missing and not self._partial:
             seeds = ", ".join(map(str, missing))
             print(f"neol: {cell.folder}: no record of seeds {seeds}", file=sys.stderr)
         table = pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=SCHEMA.names)

@@ -90,7 +90,8 @@ def _comparison(row: Any) -> str:
 def _row(row: Any) -> list[str]:
     digits = 3 if row.metric == "score" else 0
     least, median, greatest = (
-        f"{value + 0.0:.{digits}f}" for value in (row.least, row.median, row.greatest)
+        f"{round(value, digits) + 0.0:.{digits}f}"
+        for value in (row.least, row.median, row.greatest)
     )
     shares = (f"{share:.0%}" for share in (row.above, row.clearly_above, row.clearly_below))
     return [_comparison(row), median, f"{least} to {greatest}", *shares]

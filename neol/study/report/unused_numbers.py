@@ -25,9 +25,10 @@ def unused_numbers(reading: str, results: Path = RESULTS) -> list[list[str]]:
     Lunar Lander with the largest population is left out: the search used it. Without runs the
     result is empty. Raises UserError as `Campaign.runs` does.
     """
-    campaign = Campaign(load_configuration(PAPER_BUDGET, reading=reading), results)
-    budget = campaign.configuration.budget
-    every = blocks(campaign.configuration)
+    configuration = load_configuration(PAPER_BUDGET, reading=reading)
+    campaign = Campaign(configuration, results, partial=True)
+    budget = configuration.budget
+    every = blocks(configuration)
     run = {block.cell for block in every if (results / block.record).exists()}
     largest = max(budget.populations)
     head = ["task", "method", *(f"P = {each}" for each in budget.populations), "the paper"]
