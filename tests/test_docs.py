@@ -9,7 +9,11 @@ import pytest
 from neol.spec.configuration import ROOT, budgets, load_configuration
 from neol.study.campaign.grid import RESULTS, blocks, cells
 from neol.study.campaign.shown import select
-from neol.study.output.captions import describe_generations
+from neol.study.output.captions import (
+    describe_generations,
+    describe_populations,
+    describe_seeds,
+)
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 CODE_SPAN = re.compile(r"`([^`\n]+)`")
@@ -74,10 +78,10 @@ def test_the_readme_knows_the_budgets_and_their_records() -> None:
     for name in budgets():
         configuration = select(name)
         budget = configuration.budget
-        runs = len(cells(configuration)) * budget.seed_count
-        populations = ", ".join(map(str, budget.populations))
+        runs = sum(len(budget.seeds_of(cell.task)) for cell in cells(configuration))
         assert (
-            f"| `{name}` | {describe_generations(budget)} | {budget.seed_count} | {populations} "
+            f"| `{name}` | {describe_generations(budget)} | {describe_seeds(budget)} "
+            f"| {describe_populations(budget)} "
             f"| {len(budget.learning_rates)} | {runs:,} |"
         ) in text
         records |= {str(RESULTS / block.record) for block in blocks(configuration)}

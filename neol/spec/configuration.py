@@ -173,11 +173,12 @@ def load_configuration(
             raise UserError(
                 f'{source}: budget.tasks: unknown task "{task}"{hint(task, configuration.tasks)}'
             )
-        for name in ("generations", "seeds_per_job"):
-            numbers = getattr(configuration.budget, name)
-            if isinstance(numbers, dict) and task not in numbers:
+        for name in ("generations", "seeds", "populations", "seeds_per_job"):
+            values = getattr(configuration.budget, name)
+            if isinstance(values, dict) and task not in values:
                 source = overlay.source(("budget", name))
-                raise UserError(f"{source}: budget.{name}: no number for {task}")
+                there = ", ".join(map(str, values))
+                raise UserError(f"{source}: budget.{name}: no value for {task}, only for {there}")
     label = _label(configuration, reading_name, changes)
     return configuration.model_copy(update={"reading": label})
 

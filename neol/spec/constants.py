@@ -3,7 +3,7 @@
 The classes hold no values: `config/base.yaml` holds every constant with its source.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field
 
@@ -16,11 +16,12 @@ from neol.spec.types import (
     Name,
     NonNegativeFloat,
     NonNegativeInt,
-    PopulationSize,
+    Populations,
     PositiveFloat,
     PositiveInt,
     Probability,
     RuleName,
+    SeedRange,
     Seeds,
     Several,
     TaskName,
@@ -198,8 +199,9 @@ class Budget(Model):
     generations: ForEachTask
     """Generations G: one number, or one for each task."""
     seeds: Seeds
-    """Seeds of each cell: a number of seeds from 0 on, or a range."""
-    populations: Several[PopulationSize]
+    """Seeds of each cell: a number of seeds from 0 on, one for each task, or a range."""
+    populations: Populations
+    """Grid of P: one list, or one for each task."""
     learning_rates: Several[NonNegativeFloat]
     """Grid of eta for the methods with a rule."""
     tasks: Several[TaskName]
@@ -211,18 +213,15 @@ class Budget(Model):
     records_of: dict[TaskName, Name] = Field(default_factory=dict)
     """Tasks whose runs are part of another budget's, which keeps their records."""
 
-    @property
-    def seed_range(self) -> range:
-        """Seeds of each cell."""
-        chosen = self.seeds
-        if isinstance(chosen, int):
-            return range(chosen)
-        return range(chosen.first, chosen.first + chosen.count)
+    def seeds_of(self, task: str) -> range:
+        """Return the seeds of a task's cells."""
+        if isinstance(self.seeds, SeedRange):
+            return range(self.seeds.first, self.seeds.first + self.seeds.count)
+        return range(_of_task(self.seeds, task))
 
-    @property
-    def seed_count(self) -> int:
-        """Number of seeds of each cell."""
-        return len(self.seed_range)
+    def populations_of(self, task: str) -> tuple[int, ...]:
+        """Return the population sizes P of a task's cells."""
+        return _of_task(self.populations, task)
 
     def generations_of(self, task: str) -> int:
         """Return the generations G of a task's runs."""
@@ -233,5 +232,8 @@ class Budget(Model):
         return _of_task(self.seeds_per_job, task)
 
 
-def _of_task(number: int | dict[str, int], task: str) -> int:
-    return number if isinstance(number, int) else number[task]
+Value = TypeVar("Value")
+
+
+def _of_task(value: Value | dict[str, Value], task: str) -> Value:
+    return value[task] if isinstance(value, dict) else value

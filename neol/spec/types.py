@@ -137,8 +137,20 @@ class SeedRange(Model):
 
 
 Seeds = Annotated[
-    SeedCount | SeedRange,
-    _in_words("must be a number of seeds from 1 to 10000, or like {first: 1000, count: 10}"),
+    SeedCount | SeedRange | dict[Text, SeedCount],
+    Field(union_mode="left_to_right"),
+    _in_words(
+        "must be a number of seeds from 1 to 10000, such a number for each task, or like "
+        "{first: 1000, count: 10}"
+    ),
+]
+_Sizes = Annotated[Several[PopulationSize], Field(strict=False)]  # a list is no strict tuple
+Populations = Annotated[
+    _Sizes | dict[Text, _Sizes],
+    _in_words(
+        "must be a list of different population sizes from 2 to 100000, or such a list for each "
+        "task"
+    ),
 ]
 ForEachTask = Annotated[
     PositiveInt | dict[Text, PositiveInt],

@@ -49,7 +49,9 @@ def write_campaign(
     Every other run ends at `otherwise`. None leaves a seed out.
     """
     for block in blocks(configuration):
-        values = final_best.get(block.cell, [otherwise] * configuration.budget.seed_count)
+        values = final_best.get(
+            block.cell, [otherwise] * len(configuration.budget.seeds_of(block.cell.task))
+        )
         runs = [
             run(spec, configuration.budget.name, value, configuration.reading)
             for spec, value in zip(run_specs(configuration, block), _of(values, block), strict=True)

@@ -35,9 +35,20 @@ def test_overrides_come_last():
 
 def test_the_seeds_of_a_budget_begin_at_0_or_where_they_are_said_to() -> None:
     plain = load_configuration("smoke", ["budget.seeds=3"]).budget
-    assert plain.seed_range == range(3)
+    assert plain.seeds_of("cartpole") == range(3)
     chosen = load_configuration("smoke", ["budget.seeds={first: 1000000, count: 5}"]).budget
-    assert chosen.seed_range == range(1_000_000, 1_000_005)
+    assert chosen.seeds_of("cartpole") == range(1_000_000, 1_000_005)
+
+
+def test_tasks_may_have_their_own_seeds_and_populations() -> None:
+    overrides = [
+        "budget.tasks=[cartpole, hopper]",
+        "budget.seeds={cartpole: 4, hopper: 2}",
+        "budget.populations={cartpole: [6, 12], hopper: [8]}",
+    ]
+    budget = load_configuration("smoke", overrides).budget
+    assert [len(budget.seeds_of(task)) for task in budget.tasks] == [4, 2]
+    assert [budget.populations_of(task) for task in budget.tasks] == [(6, 12), (8,)]
 
 
 @pytest.mark.parametrize("budget", ["smok", "base", "", "../config/smoke", "schema"])
@@ -63,7 +74,7 @@ def test_an_unknown_budget(budget):
         ("neat.elitism=true", "neat.elitism = True: must be a valid integer"),
         ("neat.elitism=-1", "neat.elitism = -1: must be greater than or equal to 0"),
         ("budget.seeds=10001", "budget.seeds = 10001: must be a number of seeds from 1 to 10000, "),
-        ("budget.seeds={first: 5}", "budget.seeds = {'first': 5}: must be a number of seeds from "),
+        ("budget.seeds={first: 5}", "budget.seeds: no value for cartpole, only for first"),
         ("evaluation.episodes=1001", "evaluation.episodes = 1001: must be less than or equal to"),
         ("neat.elitism=9007199254740993", "neat.elitism = 9007199254740993: must be less than or"),
         (
@@ -83,7 +94,7 @@ def test_an_unknown_budget(budget):
         ("evaluation.episodes=0", "evaluation.episodes = 0: must be greater than or equal to 1"),
         ("evaluation.step_limit=0", "evaluation.step_limit = 0: must be greater than or equal"),
         ("budget.seeds_per_job=0", "budget.seeds_per_job = 0: must be an integer from 1 to 2^53"),
-        ("budget.seeds_per_job={hopper: 3}", "budget.seeds_per_job: no number for cartpole"),
+        ("budget.seeds_per_job={hopper: 3}", "budget.seeds_per_job: no value for cartpole"),
         ("network.hidden_activation=sin", "network.hidden_activation = 'sin': must be 'tanh', "),
         (
             "methods.hebb.weight_mutation=1.5",
@@ -97,12 +108,18 @@ def test_an_unknown_budget(budget):
         ),
         ("budget.tasks=[hopper, hopper]", "budget.tasks = ['hopper', 'hopper']: must not name a"),
         ("budget.tasks=[]", "budget.tasks = []: must not be empty"),
-        ("budget.populations=50", "budget.populations = 50: must be a list"),
-        ("budget.populations=[50, 1]", "budget.populations.1 = 1: must be greater than or equal"),
+        (
+            "budget.populations=50",
+            "budget.populations = 50: must be a list of different population",
+        ),
+        ("budget.populations=[50, 1]", "budget.populations = [50, 1]: must be a list of different"),
+        ("budget.populations={hopper: [50]}", "budget.populations: no value for cartpole"),
+        ("budget.seeds={hopper: 3}", "budget.seeds: no value for cartpole"),
+        ("budget.seeds={hopper: 0}", "budget.seeds = {'hopper': 0}: must be a number of seeds"),
         ("budget.learning_rates=[-1]", "budget.learning_rates.0 = -1: must be greater than or"),
         ("budget.generations=0", "budget.generations = 0: must be an integer from 1 to 2^53"),
         ("budget.generations=9007199254740993", "budget.generations = 9007199254740993: must be"),
-        ("budget.generations={hopper: 3}", "budget.generations: no number for cartpole"),
+        ("budget.generations={hopper: 3}", "budget.generations: no value for cartpole"),
     ],
 )
 def test_an_override_that_is_not_allowed(override, expected):

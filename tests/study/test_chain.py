@@ -33,8 +33,11 @@ def mean(cell: Cell) -> float:
 
 
 def write(results: Path, constants: Configuration) -> None:
-    seeds = SEEDS if constants.budget.seed_count == len(SEEDS) else (-1.0, 0.0, 1.0)
-    values = {cell: [mean(cell) + each for each in seeds] for cell in cells(constants)}
+    values = {}
+    for cell in cells(constants):
+        count = len(constants.budget.seeds_of(cell.task))
+        seeds = SEEDS if count == len(SEEDS) else (-1.0, 0.0, 1.0)
+        values[cell] = [mean(cell) + each for each in seeds]
     write_campaign(results, constants, values)
 
 

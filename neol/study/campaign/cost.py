@@ -76,11 +76,10 @@ def walltime_minutes(spec: RunSpec, seeds: int) -> int:
 
 def core_hours(configuration: Configuration) -> float | None:
     """Return the measured cost of a budget's grid without held-out episodes; None if unknown."""
-    first = [
-        run_specs(configuration, Block(home(configuration), cell, 0, 0))[0]
-        for cell in cells(configuration)
-    ]
-    seconds = [run_seconds(spec) for spec in first]
-    if None in seconds:
-        return None
-    return configuration.budget.seed_count * sum(filter(None, seconds)) / 3600
+    total = 0.0
+    for cell in cells(configuration):
+        (first,) = run_specs(configuration, Block(home(configuration), cell, 0, 0))
+        if (seconds := run_seconds(first)) is None:
+            return None
+        total += len(configuration.budget.seeds_of(cell.task)) * seconds
+    return total / 3600

@@ -65,7 +65,7 @@ def cells(configuration: Configuration) -> list[Cell]:
         Cell(task, method, population, learning_rate)
         for task in budget.tasks
         for method in budget.methods
-        for population in budget.populations
+        for population in budget.populations_of(task)
         for learning_rate in (
             budget.learning_rates if configuration.methods[method].learns else [None]
         )
@@ -142,7 +142,7 @@ def _split(configuration: Configuration, cell: Cell) -> Iterator[Block]:
     keeper = budget.records_of.get(cell.task, budget.name)
     place = Path(campaign_name(configuration.reading, keeper))
     size = budget.seeds_per_job_of(cell.task)
-    seeds = budget.seed_range
+    seeds = budget.seeds_of(cell.task)
     for part in (seeds[begin : begin + size] for begin in range(0, len(seeds), size)):
         yield Block(place, cell, part[0], part[-1])
 

@@ -93,7 +93,6 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
     if name != BASELINE and changed == plain:
         return []
     learning_rate = budget.learning_rates[len(budget.learning_rates) // 2]
-    seeds = range(FIRST_SEED, FIRST_SEED + min(budget.seed_count, most.seeds))
     return [
         Trial(
             variant=name,
@@ -102,12 +101,12 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
             spec=changed.run_spec(
                 task=task,
                 method=method,
-                population=min(*budget.populations, most.population),
+                population=min(*budget.populations_of(task), most.population),
                 learning_rate=learning_rate if changed.methods[method].learns else None,
                 generations=min(budget.generations_of(task), most.generations),
-                seed=seeds[0],
+                seed=FIRST_SEED,
             ),
-            seeds=seeds,
+            seeds=range(FIRST_SEED, FIRST_SEED + min(len(budget.seeds_of(task)), most.seeds)),
             record=folder(configuration, name) / f"{task}_{method}.parquet",
         )
         for task in budget.tasks

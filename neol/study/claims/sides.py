@@ -124,4 +124,4 @@ def _rates(cells: Iterable[Cell]) -> set[float | None]:
 @cache
 def _papers_grid() -> tuple[tuple[int, ...], tuple[float, ...]]:
     budget = load_configuration("paper").budget
-    return budget.populations, budget.learning_rates
+    return budget.populations_of(budget.tasks[0]), budget.learning_rates

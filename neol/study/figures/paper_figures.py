@@ -66,9 +66,9 @@ def heatmap(number: int, campaign: Campaign) -> Drawing:
         table,
         title=f"{task_label(task)}: {outcome}",
         methods=methods,
-        populations=budget.populations,
+        populations=budget.populations_of(task),
         learning_rates=budget.learning_rates,
-        seeds=budget.seed_count,
+        seeds=len(budget.seeds_of(task)),
         note=describe_budget(configuration, [task]) + (f" {_GROWS}" if metric == "score" else ""),
     )
     return Drawing(f"figure{number}", figure, configuration, campaign.sources(shown), table)
@@ -99,6 +99,7 @@ def _chosen(campaign: Campaign, setting: str) -> tuple[list[Cell], dict[tuple[st
 
 def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") -> Drawing:
     configuration, paper_table = campaign.configuration, {"table3": 1, "table4": 7}[setting]
+    budget = configuration.budget
     methods = SETTINGS[setting].methods(configuration.budget)
     chosen, incomplete = _chosen(campaign, setting)
     table = curves(campaign, setting)
@@ -106,7 +107,7 @@ def _convergence(name: str, campaign: Campaign, setting: str, remark: str = "") 
         table,
         tasks=configuration.budget.tasks,
         methods=methods,
-        seeds=configuration.budget.seed_count,
+        seeds={task: len(budget.seeds_of(task)) for task in budget.tasks},
         note=f"Configurations of Table {SETTINGS[setting].paper_table}. "
         f"{describe_budget(configuration)} {remark}".strip(),
         incomplete=incomplete,

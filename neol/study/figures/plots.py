@@ -29,7 +29,7 @@ def convergence(
     *,
     tasks: Sequence[str],
     methods: Sequence[str],
-    seeds: int,
+    seeds: Mapping[str, int],
     note: str,
     incomplete: Mapping[tuple[str, str], str],
     near_control: Collection[tuple[str, str]] = (),
@@ -38,9 +38,10 @@ def convergence(
     """Figures 2 and 3: best fitness over generations, and boxplots of the final one.
 
     One cell for each task and method; the lines are means over seeds with Student's 95% interval.
-    `incomplete` says for a task and method what its cell's choice lacked; such a method has a star,
-    and the note gives the reason. Methods in `near_control` are marked too. `levels` of each task,
-    from one value to another, are drawn behind its final values.
+    `seeds` is the budget's number for each task. `incomplete` says for a task and method what its
+    cell's choice lacked; such a method has a star, and the note gives the reason. Methods in
+    `near_control` are marked too. `levels` of each task, from one value to another, are drawn
+    behind its final values.
     """
     with drawing():
         figure = Figure(figsize=(WIDTH, 1.55 * WIDTH / max(len(tasks), 3) + 1.6))
@@ -55,8 +56,8 @@ def convergence(
                 table = here[here["method"] == method].pivot_table(
                     index="generation", columns="seed", values="best_fitness"
                 )
-                if table.shape[1] < seeds:
-                    reasons[task, method] = f"{table.shape[1]} of {seeds} seeds"
+                if table.shape[1] < seeds[task]:
+                    reasons[task, method] = f"{table.shape[1]} of {seeds[task]} seeds"
                 samples[method] = table.ffill().iloc[-1].to_numpy() if len(table) else np.array([])
                 marked = (place + 0.5) / len(methods)
                 draw_curve(top, method_label(method), looks[method], table.dropna(), marked)

@@ -175,8 +175,10 @@ def _score_samples(compared: Sequence[Compared]) -> list[float]:
     )
     if not whole:
         return []
-    largest = max(budget.populations)
-    return [samples(each.spec.generations, largest) for each in compared]
+    return [
+        samples(each.spec.generations, max(budget.populations_of(each.spec.task.name)))
+        for each in compared
+    ]
 
 
 def _mean(values: npt.ArrayLike, *, digits: int = 1, bounds: Returns = UNBOUNDED) -> str:

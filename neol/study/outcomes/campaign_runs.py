@@ -123,7 +123,7 @@ class Campaign:
     def score_samples(self, task: str) -> float:
         """Return M, by which the SCORE of a task's runs is divided in this budget."""
         budget = self.configuration.budget
-        return samples(budget.generations_of(task), max(budget.populations))
+        return samples(budget.generations_of(task), max(budget.populations_of(task)))
 
     def sources(self, cells: Iterable[Cell]) -> tuple[Source, ...]:
         """Return the records of some cells, each once."""

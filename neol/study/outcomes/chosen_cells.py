@@ -44,13 +44,15 @@ def candidates(
     """
     chosen_by, grid = SETTINGS[setting], cells(configuration)
     methods = chosen_by.methods(configuration.budget)
-    table, largest = chosen_by.paper_table, max(configuration.budget.populations)
+    table, budget = chosen_by.paper_table, configuration.budget
     paper = {} if table is None else paper_cells(configuration, table)
     chosen: dict[tuple[str, str], list[Cell]] = {}
     for cell in grid:
         place = cell.task, cell.method
         is_candidate = (
-            cell.population == largest if table is None else paper.get(place, cell) == cell
+            cell.population == max(budget.populations_of(cell.task))
+            if table is None
+            else paper.get(place, cell) == cell
         )
         if cell.method in methods and is_candidate:
             chosen.setdefault(place, []).append(cell)

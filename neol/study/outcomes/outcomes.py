@@ -101,12 +101,12 @@ class Outcomes:
 
     def missing(self, cell: Cell) -> int:
         """Return the number of seeds that a cell lacks."""
-        return self.budget.seed_count - len(self._by_cell.get(cell, ()))
+        return len(self.budget.seeds_of(cell.task)) - len(self._by_cell.get(cell, ()))
 
     def leading(self, cell: Cell) -> int:
         """Return how many of the budget's first seeds a cell has before the first missing one."""
         there = set(self._by_cell[cell]["seed"]) if cell in self._by_cell else set()
-        seeds = self.budget.seed_range
+        seeds = self.budget.seeds_of(cell.task)
         return next((place for place, seed in enumerate(seeds) if seed not in there), len(seeds))
 
     def grid(self, task: str, methods: Iterable[str]) -> list[Cell]:

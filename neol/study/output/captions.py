@@ -6,9 +6,12 @@ from neol.pictures.labels import listed, task_label
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.study.campaign.grid import cells
-from neol.study.campaign.shown import chosen_tasks, differs_from_default, with_tasks
+from neol.study.campaign.shown import chosen_tasks, differs_from_default
 from neol.study.campaign.variants import BASELINE, trials
 from neol.study.outcomes.campaign_runs import Campaign
+
+PAPERS = "the paper's budget"
+REDUCED = "reduced budget: not the paper's"
 
 
 def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
@@ -16,20 +19,48 @@ def describe_budget(configuration: Configuration, tasks: Sequence[str] = ()) -> 
     budget = configuration.budget
     sentence = (
         f"Budget {describe_name(budget)}: G = {describe_generations(budget, tasks)} generations, "
-        f"{budget.seed_count} seeds, {describe_episodes(configuration, tasks)}."
+        f"{describe_seeds(budget, tasks)} seeds, {describe_episodes(configuration, tasks)}."
     )
-    if is_part_of_papers(configuration):
-        sentence += f" A part of the paper's budget: {describe_part(budget)}."
-    elif not is_papers(configuration):
-        sentence += " Reduced budget: not the paper's."
+    sizes = {task: describe_size(configuration, task) for task in tasks or budget.tasks}
+    if set(sizes.values()) != {PAPERS}:
+        said = by_task(sizes)
+        sentence += f" {said[0].upper()}{said[1:]}."
     return f"{sentence} {describe_reading(configuration)}"
 
 
-def describe_part(budget: Budget) -> str:
-    """Describe which part of the paper's budget another one shows: 10 of 30 seeds, P = 300."""
+def describe_size(configuration: Configuration, task: str) -> str:
+    """Say how large a budget is for a task: the paper's, a part of the paper's, or reduced."""
+    of_paper = load_configuration(PAPER_BUDGET, reading=configuration.reading)
+    here, papers = configuration.budget, of_paper.budget
+    within = (
+        configuration == of_paper.model_copy(update={"budget": here})
+        and here.generations_of(task) == papers.generations_of(task)
+        and set(here.seeds_of(task)) <= set(papers.seeds_of(task))
+        and set(here.populations_of(task)) <= set(papers.populations_of(task))
+        and set(here.learning_rates) <= set(papers.learning_rates)
+        and set(here.methods) <= set(papers.methods)
+    )
+    if not within:
+        return REDUCED
+    return f"a part of {PAPERS}: {part}" if (part := describe_part(here, task)) else PAPERS
+
+
+def describe_part(budget: Budget, task: str) -> str:
+    """Describe which part of the paper's runs of a task a budget has: 10 of 30 seeds, P = 300.
+
+    Empty for all of them.
+    """
     papers = load_configuration(PAPER_BUDGET).budget
-    populations = ", ".join(map(str, budget.populations))
-    return f"{budget.seed_count} of {papers.seed_count} seeds, P = {populations}"
+    parts = []
+    if (seeds := budget.seeds_of(task)) != (all_seeds := papers.seeds_of(task)):
+        parts.append(f"{len(seeds)} of {len(all_seeds)} seeds")
+    if (populations := budget.populations_of(task)) != papers.populations_of(task):
+        parts.append(f"P = {', '.join(map(str, populations))}")
+    if (rates := budget.learning_rates) != papers.learning_rates:
+        parts.append(f"learning rates {', '.join(f'{rate:g}' for rate in rates)}")
+    if budget.configurations != papers.configurations:
+        parts.append("the configurations of Table 4")
+    return ", ".join(parts)
 
 
 def describe_reading(configuration: Configuration) -> str:
@@ -48,20 +79,31 @@ def describe_name(budget: Budget) -> str:
 
 
 def is_papers(configuration: Configuration) -> bool:
-    """Whether a budget is as large as the paper's, for any of its tasks."""
-    paper = load_configuration(PAPER_BUDGET, reading=configuration.reading)
-    return configuration == with_tasks(paper, configuration.budget.tasks)
-
-
-def is_part_of_papers(configuration: Configuration) -> bool:
-    """Whether all runs of a budget are among those of the paper's budget."""
-    budget = configuration.budget
-    return all(budget.records_of.get(task) == PAPER_BUDGET for task in budget.tasks)
+    """Whether a budget is as large as the paper's for all of its tasks."""
+    tasks = configuration.budget.tasks
+    return all(describe_size(configuration, task) == PAPERS for task in tasks)
 
 
 def describe_generations(budget: Budget, tasks: Sequence[str] = ()) -> str:
     """Describe G of some tasks or all: 500, or 50 (CartPole, LunarLander), 6 (Hopper)."""
     return by_task({task: str(budget.generations_of(task)) for task in tasks or budget.tasks})
+
+
+def describe_seeds(budget: Budget, tasks: Sequence[str] = ()) -> str:
+    """Describe the number of seeds for some of a budget's tasks or all, as G."""
+    return by_task({task: str(len(budget.seeds_of(task))) for task in tasks or budget.tasks})
+
+
+def describe_populations(budget: Budget) -> str:
+    """Describe the population sizes: 50, 100, or 50, 100 (CartPole), 100 (Hopper)."""
+    return by_task(
+        {task: ", ".join(map(str, budget.populations_of(task))) for task in budget.tasks}
+    )
+
+
+def describe_largest_population(budget: Budget) -> str:
+    """Describe the largest population size: 300, or 300 (CartPole), 100 (Hopper)."""
+    return by_task({task: str(max(budget.populations_of(task))) for task in budget.tasks})
 
 
 def describe_episodes(configuration: Configuration, tasks: Sequence[str] = ()) -> str:
@@ -95,7 +137,8 @@ def lacking(campaign: Campaign) -> str:
     missing = [len(campaign.runs(cell).missing) for cell in grid]
     if not any(missing):
         return ""
-    runs = len(grid) * campaign.configuration.budget.seed_count
+    budget = campaign.configuration.budget
+    runs = sum(len(budget.seeds_of(cell.task)) for cell in grid)
     incomplete = sum(map(bool, missing))
     return (
         f"Seeds are missing: {incomplete} of {len(grid)} cells are incomplete, "
@@ -123,8 +166,9 @@ def describe_trials(configuration: Configuration) -> str:
     first, *others = trials(configuration, BASELINE)
     rate = max(trial.spec.plasticity.learning_rate for trial in (first, *others))
     generations = {trial.task: str(trial.spec.generations) for trial in (first, *others)}
+    seeds = {trial.task: str(len(trial.seeds)) for trial in (first, *others)}
     return (
         f"Sensitivity runs of budget {configuration.budget.name}: G = {by_task(generations)} "
         f"generations, population {first.spec.population}, learning rate {rate:g}, "
-        f"{len(first.seeds)} seeds that no table uses."
+        f"{by_task(seeds)} seeds that no table uses."
     )

@@ -22,9 +22,12 @@ from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.effects import FITNESS
 from neol.study.output.captions import (
     describe_generations,
+    describe_largest_population,
     describe_name,
+    describe_populations,
     describe_reading,
     describe_samples,
+    describe_seeds,
     describe_trials,
     is_papers,
     lacking,
@@ -133,9 +136,9 @@ def _of_configuration(configuration: Configuration) -> Iterator[tuple[str, str]]
     reduced = "" if is_papers(configuration) else r"\emph{This is less than the paper's budget.}"
     yield "budget/name", escape(describe_name(budget))
     yield "budget/generations", escape(describe_generations(budget))
-    yield "budget/seeds", _number(budget.seed_count)
-    yield "budget/largest_population", _number(max(budget.populations))
-    yield "budget/populations", ", ".join(map(_number, budget.populations))
+    yield "budget/seeds", escape(describe_seeds(budget))
+    yield "budget/largest_population", escape(describe_largest_population(budget))
+    yield "budget/populations", escape(describe_populations(budget))
     yield "budget/learning_rates", ", ".join(map(_number, budget.learning_rates))
     yield "budget/reduced", reduced
     yield "budget/reading", escape(describe_reading(configuration))

@@ -21,6 +21,7 @@ from neol.study.campaign.search import BASELINES, CONFIRMATION, SCREENING, calls
 from neol.study.outcomes.baselines import (
     COUNTINGS,
     QUANTITIES,
+    TASK,
     comparisons,
     paper_number,
     ranking,
@@ -41,7 +42,7 @@ class Stage:
 
     def __init__(self, budget: str, readings: Sequence[str], results: Path) -> None:
         self.budget = budget
-        self.seeds = load_configuration(budget).budget.seed_count
+        self.seeds = len(load_configuration(budget).budget.seeds_of(TASK))
         self.table, self.sources, self.core_hours = comparisons(readings, budget, results)
         self.ranked = ranking(self.table, self.seeds)
         """Readings that have all their runs."""

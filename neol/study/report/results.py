@@ -22,12 +22,13 @@ from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
 from neol.study.output.captions import (
+    REDUCED,
     describe_budget,
     describe_name,
     describe_part,
+    describe_size,
     describe_trials,
     is_papers,
-    is_part_of_papers,
     lacking,
 )
 from neol.study.report import words
@@ -93,13 +94,15 @@ def _title(configuration: Configuration) -> str:
     """Return the page's title, which names the budget: pages of two budgets have two titles."""
     budget = configuration.budget
     name = describe_name(budget)
-    if is_part_of_papers(configuration):
+    if is_papers(configuration):
+        some = listed(map(task_label, chosen_tasks(budget)))
+        return f"Results at the paper's budget{f': {some}' if some else ''}"
+    reduced = [describe_size(configuration, task) == REDUCED for task in budget.tasks]
+    parts = {describe_part(budget, task) for task in budget.tasks}
+    if not any(reduced) and len(parts) == 1:
         every = listed(map(task_label, budget.tasks))
-        return f"Results at a part of the paper's budget: {every}, {describe_part(budget)}"
-    if not is_papers(configuration):
-        return f"Results at the reduced budget `{name}`"
-    some = chosen_tasks(budget)
-    return f"Results at the paper's budget{f': {listed(map(task_label, some))}' if some else ''}"
+        return f"Results at a part of the paper's budget: {every}, {parts.pop()}"
+    return f"Results at the {'reduced ' if all(reduced) else ''}budget `{name}`"
 
 
 def answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:

@@ -30,13 +30,13 @@ def unused_numbers(reading: str, results: Path = RESULTS) -> list[list[str]]:
     budget = configuration.budget
     every = blocks(configuration)
     run = {block.cell for block in every if (results / block.record).exists()}
-    largest = max(budget.populations)
-    head = ["task", "method", *(f"P = {each}" for each in budget.populations), "the paper"]
+    populations = budget.populations_of(SEARCHED)
+    head = ["task", "method", *(f"P = {each}" for each in populations), "the paper"]
     rows = []
     for task in budget.tasks:
         for method in BASELINES:
-            row = [Cell(task, method, each, None) for each in budget.populations]
-            shown = run.intersection(row) - {Cell(SEARCHED, method, largest, None)}
+            row = [Cell(task, method, each, None) for each in populations]
+            shown = run.intersection(row) - {Cell(SEARCHED, method, max(populations), None)}
             if shown:
                 finals = [_finals(campaign, cell) if cell in shown else "" for cell in row]
                 labels = [task_label(task), method_label(method)]

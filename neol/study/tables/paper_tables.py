@@ -18,7 +18,11 @@ from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.outcomes.contrasts import compare as compare_runs
 from neol.study.outcomes.movement import NEAR_CONTROL_NOTE
 from neol.study.outcomes.statistics import ALPHA, rank_sum, superiority
-from neol.study.output.captions import describe_budget, describe_samples
+from neol.study.output.captions import (
+    describe_budget,
+    describe_largest_population,
+    describe_samples,
+)
 from neol.study.tables import formats
 from neol.study.tables.summary import OursAndPapers, OwnSummary, Summary, compare
 from neol.study.tables.table import Entry, Line, Table
@@ -85,9 +89,9 @@ def _best_fitness(number: int, campaign: Campaign, setting: str, remark: str = "
 def _scores(number: int, campaign: Campaign, against: str, remark: str = "") -> Table:
     budget = campaign.configuration.budget
     title = (
-        f"SCORE (sample efficiency), mean ± SD over seeds, at population {max(budget.populations)} "
-        f"and each method's best learning rate, with M = {describe_samples(campaign)}; "
-        f"{_RANKED}{remark}"
+        "SCORE (sample efficiency), mean ± SD over seeds, at population "
+        f"{describe_largest_population(budget)} and each method's best learning rate, with "
+        f"M = {describe_samples(campaign)}; {_RANKED}{remark}"
     )
     methods = (*challengers(budget), against)
     return _means(number, title, formats.score, campaign, "score", methods, number)

@@ -57,7 +57,7 @@ def test_the_search_has_seeds_of_its_own() -> None:
         for name in budgets()
     }
     for stage in (SCREENING, CONFIRMATION):
-        own = set(load_configuration(stage).budget.seed_range)
+        own = set(load_configuration(stage).budget.seeds_of("lunar_lander"))
         assert min(own) >= 1_000_000
         for name in set(budgets()) - {stage}:
             assert not own & seeds[name], name

@@ -45,9 +45,10 @@ def test_what_a_reading_has_anyway_is_not_run(reading: str, same: str) -> None:
 def test_the_seeds_are_none_of_the_budgets() -> None:
     for budget in budgets():
         configuration = load_configuration(budget)
-        (seeds,) = {trial.seeds for trial in trials(configuration, BASELINE)}
-        assert not set(seeds) & set(configuration.budget.seed_range)
-        assert len(seeds) == min(configuration.budget.seed_count, 10)
+        for trial in trials(configuration, BASELINE):
+            seeds = configuration.budget.seeds_of(trial.task)
+            assert not set(trial.seeds) & set(seeds)
+            assert len(trial.seeds) == min(len(seeds), 10)
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def draw_curves(
         table,
         tasks=["hopper"],
         methods=METHODS,
-        seeds=3,
+        seeds={"hopper": 3},
         note="Budget made up.",
         incomplete=incomplete or {},
         **more,

@@ -56,7 +56,7 @@ def test_score_is_that_of_the_budget(paths: list[Path], tmp_path: Path) -> None:
     budget = load_configuration("smoke").budget
     generations = budget.generations_of("cartpole")
     whole = read_compared(written(tmp_path / "whole", generations))
-    divisor = samples(generations, max(budget.populations))
+    divisor = samples(generations, max(budget.populations_of("cartpole")))
     scores = [score([end + 2, end + 1, end], 6, divisor) for end in FINAL["neat"]]
     assert outcome_rows(whole)["SCORE"][1].startswith(f"{np.mean(scores):.3f} [")
 

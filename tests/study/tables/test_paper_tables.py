@@ -176,8 +176,23 @@ def test_only_the_papers_budget_is_the_papers() -> None:
         "Budget paper, CartPole, Lunar Lander and Hopper only: G = 500 generations, 30 seeds, "
     )
     assert "Reduced" not in describe_budget(select("paper", "cartpole"))
-    assert "Reduced" in describe_budget(load_configuration("paper", ["budget.seeds=29"]))
+    part = describe_budget(load_configuration("paper", ["budget.seeds=29"]))
+    assert "A part of the paper's budget: 29 of 30 seeds." in part
+    assert "Reduced" in describe_budget(load_configuration("paper", ["budget.generations=499"]))
     assert "Reduced" in describe_budget(load_configuration("paper", ["neat.elitism=3"]))
+
+
+def test_tasks_of_different_size_are_told_apart() -> None:
+    overrides = [
+        "budget.generations={cartpole: 500, lunar_lander: 500, hopper: 60, bipedal_walker: 60}",
+        "budget.seeds={cartpole: 30, lunar_lander: 10, hopper: 5, bipedal_walker: 5}",
+    ]
+    caption = describe_budget(load_configuration("paper", overrides))
+    assert "30 (CartPole), 10 (Lunar Lander), 5 (Hopper, Bipedal Walker) seeds" in caption
+    assert (
+        "The paper's budget (CartPole), a part of the paper's budget: 10 of 30 seeds (Lunar "
+        "Lander), reduced budget: not the paper's (Hopper, Bipedal Walker)." in caption
+    )
 
 
 def test_a_part_of_the_papers_budget_says_which() -> None:
