@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import ascii_lowercase
 
 from neol.pictures.labels import task_label, three_figures
+from neol.spec.constants import Budget
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.tables.summary import OwnSummary, Summary
@@ -30,13 +31,24 @@ def marked(entry: Entry, mark: str | None, *, near_control: bool = False) -> Ent
 
 
 def lines_of(
-    task: str, ours: Sequence[Entry], beneath: Mapping[str, Sequence[Entry]]
+    budget: Budget, task: str, ours: Sequence[Entry], beneath: Mapping[str, Sequence[Entry]]
 ) -> list[Line]:
     """Return a task's line, and the labelled lines beneath it."""
     return [
-        Line(task_label(task), tuple(ours), is_beneath=False),
+        Line(task_label(task) + _size(budget, task), tuple(ours), is_beneath=False),
         *(Line(label, tuple(entries), is_beneath=True) for label, entries in beneath.items()),
     ]
+
+
+def _size(budget: Budget, task: str) -> str:
+    """Return a task's generations and seeds, as far as they differ between the budget's tasks."""
+    sizes = {
+        each: (f"G = {budget.generations_of(each)}", f"{len(budget.seeds_of(each))} seeds")
+        for each in budget.tasks
+    }
+    kinds = [set(kind) for kind in zip(*sizes.values(), strict=True)]
+    differing = [said for said, kind in zip(sizes[task], kinds, strict=True) if len(kind) > 1]
+    return f" ({', '.join(differing)})" if differing else ""
 
 
 def fitness(summary: Summary) -> Entry:

@@ -146,7 +146,7 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
             for p, why, little in zip(row["p"], row["incomplete"], row["near_control"], strict=True)
         ]
         papers = [formats.p_value(p, 3 if number == 5 else 2) for p in row["paper_p"]]
-        lines += formats.lines_of(task, ours, {"paper": papers})
+        lines += formats.lines_of(budget, task, ours, {"paper": papers})
     columns = tuple(f"{method_label(rule)} vs NEAT" for rule in rules)
     return _table(number, title, columns, lines, marks, frame, campaign, setting, (*rules, "neat"))
 
@@ -229,7 +229,7 @@ def _means(
         beneath = {"paper": [entry(each.paper) for each in row]}
         if fresh:
             beneath["in fresh episodes"] = [formats.held_out(each.here) for each in row]
-        lines += formats.lines_of(task, ours, beneath)
+        lines += formats.lines_of(campaign.configuration.budget, task, ours, beneath)
     frame = pd.DataFrame([_flat(each) for each in comparisons])
     frame = frame.astype({"population": "Int64", "paper_population": "Int64"})
     columns = tuple(method_label(method) for method in methods)

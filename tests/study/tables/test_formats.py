@@ -5,7 +5,8 @@ import math
 import pytest
 
 from neol.pictures.labels import drawn, three_figures
-from neol.study.tables.formats import marks
+from neol.spec.configuration import load_configuration
+from neol.study.tables.formats import lines_of, marks
 
 
 def test_every_reason_has_a_mark_of_its_own() -> None:
@@ -32,3 +33,15 @@ def test_numbers_have_three_figures(value: float, text: str) -> None:
 
 def test_pictures_have_a_minus_and_a_dash() -> None:
     assert [drawn(text) for text in ("-1.50", "--")] == ["−1.50", "–"]
+
+
+def test_a_line_says_the_size_of_its_runs_where_tasks_differ() -> None:
+    def labels(*overrides: str) -> list[str]:
+        budget = load_configuration("smoke", ["budget.tasks=[cartpole, hopper]", *overrides]).budget
+        return [lines_of(budget, task, [], {})[0].label for task in budget.tasks]
+
+    assert labels() == ["CartPole", "Hopper"]
+    longer = "budget.generations={cartpole: 5, hopper: 2}"
+    assert labels(longer) == ["CartPole (G = 5)", "Hopper (G = 2)"]
+    more = "budget.seeds={cartpole: 4, hopper: 3}"
+    assert labels(longer, more) == ["CartPole (G = 5, 4 seeds)", "Hopper (G = 2, 3 seeds)"]
