@@ -1,6 +1,6 @@
 """The multiverse in docs/readings.md: sentences, a table, pictures and numbers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +10,32 @@ from neol.pictures.style import write_picture
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.multiverse import universes
 from neol.study.outcomes.multiverse import METRICS, Answers, answers, summary
+from neol.study.output.captions import by_task
 from neol.study.report.multiverse_picture import specification_curve
 
 HEAD = ["question", "median", "least to greatest", "above", "clearly above", "clearly below"]
+
+
+KINDS: list[tuple[str, Callable[[Any], bool]]] = [
+    ("distinguishably above under every reading", lambda row: row.clearly_above == 1),
+    (
+        "above under some readings and below under none",
+        lambda row: 0 < row.clearly_above < 1 and not row.clearly_below,
+    ),
+    (
+        "above under some readings and below under others",
+        lambda row: row.clearly_above > 0 and row.clearly_below > 0,
+    ),
+    (
+        "below under some readings and above under none",
+        lambda row: row.clearly_below > 0 and not row.clearly_above,
+    ),
+    (
+        "distinguishable under no reading",
+        lambda row: not row.clearly_above and not row.clearly_below,
+    ),
+]
+"""What may hold of a question's answers; "above" and "below" are meant distinguishably."""
 
 
 class Multiverse:
@@ -25,39 +48,29 @@ class Multiverse:
         self.whole = len(universes())
         """Number of readings in the grid."""
 
-    def counts(self) -> list[str]:
-        """Say under how many readings a task's questions have answers: 12 of 32 (CartPole)."""
+    def extent(self) -> str:
+        """Say under how many readings the questions have answers: 12 of 32 (CartPole)."""
         there = self.answers.readings
-        return [f"{there[task]} of {self.whole} ({task_label(task)})" for task in self.tasks]
+        return by_task({task: f"{there[task]} of {self.whole}" for task in self.tasks})
 
-    def findings(self) -> list[tuple[str, list[str]]]:
-        """Group the questions by what holds of their answers under all readings."""
-        kinds: list[tuple[str, Callable[[Any], bool]]] = [
-            ("Distinguishably above under every reading", lambda row: row.clearly_above == 1),
-            (
-                "Above under every reading, distinguishably under some",
-                lambda row: row.above == 1 and 0 < row.clearly_above < 1,
-            ),
-            (
-                "Distinguishably above under some readings and below under others",
-                lambda row: row.clearly_above > 0 and row.clearly_below > 0,
-            ),
-            (
-                "Distinguishably above under some readings, distinguishably below under none",
-                lambda row: row.clearly_above > 0 and row.above < 1 and not row.clearly_below,
-            ),
-            (
-                "Distinguishably below under some readings, distinguishably above under none",
-                lambda row: row.clearly_below > 0 and not row.clearly_above,
-            ),
-            (
-                "Distinguishable under no reading",
-                lambda row: not row.clearly_above and not row.clearly_below,
-            ),
-        ]
+    def findings(self) -> list[tuple[str, int, list[str]]]:
+        """Group the questions by what holds of their answers under all readings.
+
+        Each group has its name, its number of questions, and its comparisons with their rules.
+        """
         rows = list(summary(self.answers.table).itertuples())
-        found = [(name, [_question(row) for row in rows if holds(row)]) for name, holds in kinds]
-        return [(name, questions) for name, questions in found if questions]
+        groups = [(name, [row for row in rows if holds(row)]) for name, holds in KINDS]
+        return [(name, len(group), _compared(group)) for name, group in groups]
+
+    def headline(self) -> str:
+        """Count the questions of each group in two sentences."""
+        groups = self.findings()
+        questions = sum(count for _, count, _ in groups)
+        return (
+            f"In short runs, {questions} questions (is a rule above NEAT, or above NEAT without "
+            f"weight mutation?) were asked under {self.extent()} readings. How often the rule "
+            f"is {'; '.join(f'{name}: {count}' for name, count, _ in groups)}."
+        )
 
     def numbers(self, task: str) -> list[list[str]]:
         """Return a head, and a row for each question of a task."""
@@ -78,8 +91,15 @@ def picture_name(task: str) -> str:
     return f"readings-multiverse-{task}.png"
 
 
-def _question(row: Any) -> str:
-    return f"{_comparison(row)} on {task_label(row.task)}"
+def _compared(rows: Sequence[Any]) -> list[str]:
+    """Name comparisons once with their rules: SCORE against NEAT on CartPole (BCM, Hebb)."""
+    rules: dict[str, list[str]] = {}
+    for row in rows:
+        against = f"{METRICS[row.metric]} against {method_label(row.against)}"
+        rules.setdefault(f"{against} on {task_label(row.task)}", []).append(
+            method_label(row.method)
+        )
+    return [f"{name} ({', '.join(each)})" for name, each in rules.items()]
 
 
 def _comparison(row: Any) -> str:

@@ -81,10 +81,11 @@ def test_the_multiverse_is_shown_where_a_reading_has_all_its_runs(screened: Path
     write_universe(screened, first, "cartpole", ends)
     write_universe(screened, other, "cartpole", ends | {"hebb": 80.0})
     text = " ".join(page(screened).text.split())
-    assert "so far under 2 of 32 (CartPole) readings" in text
+    assert "under 2 of 32 readings" in text
+    assert "above under some readings and below under others: 6;" in text
     assert (
-        "**Distinguishably above under some readings and below under others**: Hebb against NEAT "
-        "in final fitness on CartPole;"
+        "**Above under some readings and below under others** (6): final fitness against NEAT on "
+        "CartPole (Hebb);"
     ) in text
     row = "| Hebb against NEAT (w/o) in final fitness | -10 | -30 to 10 | 50% | 50% | 50% |"
     assert row in text
