@@ -15,6 +15,7 @@ from typer.core import TyperCommand, TyperGroup
 from neol.base.ending import BROKEN_PIPE, USER_ERROR, complain, discard_output
 from neol.base.errors import INTERRUPTED, UserError
 from neol.base.files import NO_ROOM
+from neol.spec.readings import DEFAULT_READING
 
 COMMANDS = {
     "Running": ("run", "status"),
@@ -199,8 +200,6 @@ def _readings(incomplete: str) -> list[str]:
 
 def one_reading(given: list[str] | None) -> str:
     """Return the chosen reading. Raises UserError for more than one."""
-    from neol.spec.readings import DEFAULT_READING
-
     if given and len(given) > 1:
         raise UserError(f"--reading {' --reading '.join(given)}: give one reading")
     return given[0] if given else DEFAULT_READING
@@ -220,7 +219,8 @@ BudgetOption = Annotated[
 ReadingOption = Annotated[
     list[str] | None,
     typer.Option(
-        help="Reading that sets constants, a file of config/readings/; default: default.",
+        help="Reading that sets constants, a file of config/readings/; "
+        f"default: {DEFAULT_READING}.",
         autocompletion=_readings,
     ),
 ]

@@ -17,6 +17,7 @@ from neol.cli import app
 from neol.cli.application import COMMANDS, EXIT_CODES
 from neol.cli.run import METHOD_NAMES
 from neol.spec.configuration import ROOT, budgets
+from neol.spec.readings import DEFAULT_READING
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.tables.paper_tables import table1
 from tests.helpers.made_up import configuration, write_campaign
@@ -62,6 +63,11 @@ def test_the_help_names_the_exit_codes() -> None:
     text = " ".join(page().split())
     for code, meaning in EXIT_CODES.items():
         assert f"{code} {meaning}" in text
+
+
+@pytest.mark.parametrize("command", ["run", "config"])
+def test_the_help_names_the_default_reading(command: str) -> None:
+    assert f"config/readings/; default: {DEFAULT_READING}." in " ".join(page(command).split())
 
 
 def test_help_and_version() -> None:
