@@ -1,4 +1,4 @@
-"""The floors of the house: each folder has one, and imports from none above it."""
+"""Each folder of neol/ is a layer, and imports only from layers below it."""
 
 import ast
 import re
@@ -10,8 +10,8 @@ import pytest
 
 from neol.spec.configuration import ROOT
 
-FLOORS = re.findall("^.* <- .*$", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE)
-"""Floors of neol/ and neol/study/ in CONTRIBUTING.md: `base <- random, network <- ...`."""
+LAYERS = re.findall("^.* <- .*$", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE)
+"""Layers of neol/ and neol/study/ in CONTRIBUTING.md: `base <- random, network <- ...`."""
 
 
 def imports(package: Path) -> dict[str, set[str]]:
@@ -36,18 +36,18 @@ def imported(path: Path, package: Path) -> Iterator[str]:
 
 
 @pytest.mark.parametrize(("line", "package"), [(0, ROOT / "neol"), (1, ROOT / "neol" / "study")])
-def test_no_folder_imports_from_its_own_floor_or_above(line: int, package: Path) -> None:
-    drawing = FLOORS[line]
-    floors = [re.findall(r"\w+", floor) for floor in drawing.split("<-")]
-    floor = {folder: number for number, folders in enumerate(floors) for folder in folders}
+def test_no_folder_imports_from_its_own_layer_or_above(line: int, package: Path) -> None:
+    drawing = LAYERS[line]
+    layers = [re.findall(r"\w+", layer) for layer in drawing.split("<-")]
+    layer = {folder: number for number, folders in enumerate(layers) for folder in folders}
     found = imports(package)
     folders = {path.parent.name for path in package.glob("*/__init__.py")}
-    assert set(floor) == folders == set(found)
+    assert set(layer) == folders == set(found)
     upwards = [
         f"{folder} imports {other}"
         for folder, others in found.items()
         for other in others & folders
-        if floor[other] >= floor[folder]
+        if layer[other] >= layer[folder]
     ]
     assert upwards == []
 
