@@ -23,13 +23,14 @@ def _head(about: Mapping[str, str]) -> str:
 <!-- Written by `make bench` (python -m benchmarks.run) from benchmarks.csv: do not edit. -->
 
 {lines}
-One interleaved run: in every round each contestant measures once, in turn, and another one begins.
-Values are medians over the rounds, ratios are taken within a round; `benchmarks.csv` has their
-ranges. Times of one core are CPU time of the process; two workers against one is wall time.
+All measurements are from one interleaved run. In every round each contestant is measured once, and
+the contestant that begins changes from round to round. Values are medians over the rounds, ratios
+are taken within a round; `benchmarks.csv` has their ranges. Times are CPU time of one process,
+except the comparison of two workers with one, which is wall time.
 
 ![Microseconds per environment step, and where a run's time goes](benchmarks.png)
 
-In the bars on the right, shares below zero are left out and what exceeds 100% is cut;
+The bars on the right omit shares below zero and are cut at 100%;
 [the table](#where-a-runs-time-goes) has the values.
 """
 
@@ -62,13 +63,17 @@ def _engines(table: Table) -> str:
             rows.append([f"{TITLES[task]}, {networks}", *cells])
     return f"""## Engines: microseconds per environment step
 
-The same recorded episodes for all. *initial*: networks of the initial topology with evolved
-weights; *large*: random networks with 30 hidden nodes and 300 connections. *Physics*: the
-unmodified library's steps under the recorded actions (`b2World::Step`, for BipedalWalker with its
-ten ray casts; four `mj_step`). *Our engine* and the *reference engine* play the episodes with
-network, plasticity and resets; Gymnasium's `env.step` is bare, without resets. MuJoCo's profile of
-itself, which our engine switches off in the whole process, is off for Gymnasium and the peer as
-well.
+All contestants play the same recorded episodes.
+
+- *initial*: networks of the initial topology with evolved weights.
+- *large*: random networks with 30 hidden nodes and 300 connections.
+- *physics*: the unmodified library's steps under the recorded actions (`b2World::Step`, for
+  BipedalWalker with its ten ray casts; four `mj_step`).
+- *our engine* and the *reference engine* play the episodes with network, plasticity and resets.
+- *Gymnasium's env.step* is without networks and resets.
+
+MuJoCo's own profiling, which our engine switches off in the whole process, is off for Gymnasium and
+the peer as well.
 
 {markdown(header, rows)}"""
 
@@ -88,9 +93,9 @@ def _paths(table: Table) -> str:
     header = ["task, networks", "physics", *PATHS, *(f"{path} / physics" for path in PATHS)]
     return f"""## Paths of the engine through Box2D's physics: microseconds per environment step
 
-All give the same bits. `plain` is Box2D's own loop, one world at a time; `shortcut` skips what
-repeats itself; the others advance worlds side by side in the lanes of vectors, and the fastest that
-the processor has is *our engine* above. A dash: not on this machine.
+All paths give the same bits. `plain` is Box2D's own loop, one world at a time. `shortcut` skips
+iterations that repeat. The others advance worlds side by side in the lanes of vectors; *our engine*
+above is the fastest of them that the processor has. A dash marks a path that this machine lacks.
 
 {markdown(header, rows)}"""
 
@@ -118,11 +123,11 @@ def _envpool(table: Table) -> str:
     ]
     return f"""## EnvPool's stepping alone: microseconds per environment step
 
-[EnvPool](https://github.com/sail-sg/envpool) steps many environments in C++ for a policy elsewhere.
-It has one core here, as one environment and as a batch of them, and is given the recorded actions
-of the networks *initial* above: same networks and tasks, episodes of its own, resets included. *Our
-engine* is that of the table above and computes networks and plasticity as well. EnvPool brings
-its own MuJoCo (3.6.0).
+[EnvPool](https://github.com/sail-sg/envpool) steps many environments in C++ and leaves the policy
+to other code. Here it runs on one core, with one environment and with a batch of them. It gets the
+recorded actions of the networks *initial* above, but plays episodes of its own; its resets are
+included. *Our engine* is that of the table above and computes networks and plasticity as well.
+EnvPool brings its own MuJoCo (3.6.0).
 
 {markdown(header, rows)}"""
 
@@ -140,9 +145,9 @@ def _runs(table: Table) -> str:
     ]
     return f"""## Whole runs: microseconds per environment step
 
-Evolution with Hebb's rule at P = 50, all that a run does but for writing its record. The peer
-(`benchmarks/peer.py`) is the same algorithm written plainly on neat-python and Gymnasium. Its runs
-are others (other random numbers), so both are counted per step.
+A run evolves P = 50 networks with Hebb's rule and does everything except writing its record. The
+peer (`benchmarks/peer.py`) is the same algorithm written plainly on neat-python and Gymnasium. It
+draws other random numbers, so its episodes differ and both sides are counted per step.
 
 {markdown(header, rows)}"""
 
@@ -166,13 +171,13 @@ def _shares(table: Table) -> str:
     ]
     return f"""## Where a run's time goes
 
-The runs of the table above. NEAT is timed at its calls (decode, write-back, speciate, reproduce,
-seeds); network and plasticity by playing the run's own episodes back in a world that costs nothing,
-without and with learning. The environment (physics, resets, observations, rewards) is what remains
-of the engine's time; *other* is statistics and digest.
+These are the runs of the table above. NEAT is timed at its calls (decode, write-back, speciate,
+reproduce, seeds). Network and plasticity are timed by playing the run's own episodes back in a
+world that costs nothing, without and with learning. The environment (physics, resets, observations,
+rewards) is what remains of the engine's time; *other* is statistics and digest.
 
 {markdown(header, rows)}
-Of the engine's time with large networks (30 hidden nodes, 300 connections):
+The engine's time divides as follows with large networks (30 hidden nodes, 300 connections):
 
 {markdown(header[:4], large)}"""
 
@@ -196,7 +201,7 @@ def _kernels(table: Table) -> str:
     ]
     return f"""## Network and plasticity with 300 connections: microseconds per step
 
-Recorded episodes of the large networks, played back: our kernels and the same loop in C (`cc -O3`).
+Our kernels and the same loop in C (`cc -O3`) play back recorded episodes of the large networks.
 
 {markdown(header, rows)}"""
 
@@ -226,18 +231,18 @@ def _neat(table: Table) -> str:
     ]
     return f"""## NEAT at P = {NEAT_POPULATION} after 200 generations: milliseconds a generation
 
-Synthetic growth: real NEAT with the task's inputs and outputs for 200 generations of random
-fitness, then timed. *All* is everything that a generation does outside the engine, statistics and
-digest too. Its share is against {NEAT_POPULATION} episodes as long as those of short real
-runs, at the engine's measured cost of a step with small networks.
+Networks grow for 200 generations in which our NEAT, with the task's inputs and outputs, gets random
+fitness; then NEAT is timed. *All* is everything that a generation does outside the engine,
+including statistics and digest. *Share of a run* compares it with {NEAT_POPULATION} episodes as
+long as those of short real runs, at the engine's measured cost of a step with small networks.
 
 {markdown(header, rows)}
 ## Two workers against one: wall seconds of a run's generations, P = 100
 
-Only episodes are shared out. *Outside the engine*: the share of one worker's CPU time that NEAT,
-statistics and digest take, which bounds what a second worker can gain (Amdahl's law). They could
-be shared out only in part: a generation's children are bred from one stream of random numbers. A
-block of seeds uses two cores better as two runs of one worker each, as the workflow does.
+Workers share only the episodes. *Outside the engine* is the share of one worker's CPU time that
+NEAT, statistics and digest take; it bounds what a second worker can gain (Amdahl's law). This part
+could be shared only partly, because a generation's children are bred from one stream of random
+numbers. Two runs with one worker each use two cores better; the workflow does so.
 
 {markdown(worker_header, workers)}
 Peak memory is that of a process that makes a whole run of BipedalWalker (the largest genomes), with
