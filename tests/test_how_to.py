@@ -194,7 +194,8 @@ def test_a_question_under_another_reading(tmp_path: Path) -> None:
     for name in ("worked_example", changed, "first"):
         assert f"results/{name}/{cell}" in planned
     for place in ("worked_example/landing", f"{changed}/landing", "landing"):
-        assert f"figures/{place}/claims.md" in planned
+        for table in ("table1.md", "table5.csv", "table7.md"):
+            assert f"figures/{place}/{table}" in planned
 
     records = "snakemake --cores 1 results/{}/" + cell + " --config budget=landing reading={}"
     options = f"worked_example set={changed.removeprefix('worked_example+')}"
