@@ -59,6 +59,14 @@ def apply(diff: str, folder: Path) -> None:
 
 
 @pytest.mark.slow
+def test_the_outcomes_behind_a_number() -> None:
+    (script,) = blocks("check-a-number.md", "python")
+    printed = shell(f"python - <<'END'\n{script}END", ROOT)
+    rows = re.findall(r"^.* (\d+)$", printed, re.MULTILINE)
+    assert rows == ["10"] * 16, "two tasks of eight cells, each with ten seeds"
+
+
+@pytest.mark.slow
 def test_a_rule_in_a_script(tmp_path: Path) -> None:
     (script,), (commands,) = blocks("add-a-rule.md", "python"), blocks("add-a-rule.md", "bash")
     (tmp_path / "decaying.py").write_text(script)
