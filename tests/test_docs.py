@@ -2,6 +2,7 @@
 
 import importlib
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,14 @@ def test_every_constant_named_exists(path: Path) -> None:
 def test_every_link_leads_somewhere(path: Path) -> None:
     for target in LINK.findall(path.read_text(encoding="utf-8")):
         assert (path.parent / target).exists(), target
+
+
+@pytest.mark.slow
+def test_the_page_of_the_command_line_lists_whole_summaries() -> None:
+    page = runpy.run_path(str(ROOT / "docs" / "hooks.py"))["command_line"]()
+    assert page.startswith("# Command line\n")
+    for name, summary in re.findall(r"^\* `(\w+)`: (.*)$", page, re.MULTILINE):
+        assert f"\n## `neol {name}`\n\n{summary}\n" in page
 
 
 def test_the_readme_knows_the_budgets_and_their_records() -> None:
