@@ -57,7 +57,7 @@ def initial_genome(
     weight: npt.NDArray[np.float64],
     bias: npt.NDArray[np.float64],
 ) -> Genome:
-    """Return a genome of generation 0: every input connected to every output, no hidden nodes.
+    """Return a genome of the first generation: inputs connected to outputs, no hidden nodes.
 
     `weight` is float64[outputs * inputs], ordered by output, then input; `bias` float64[outputs].
     """

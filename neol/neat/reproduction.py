@@ -1,4 +1,4 @@
-"""Reproduction: offspring counts, elites, parents (paper's Algorithm 4), and generation 0."""
+"""Reproduction: offspring counts, elites, parents (Algorithm 4), and the first generation."""
 
 import math
 
@@ -25,7 +25,7 @@ class Reproduction:
         self.rates = Rates.of(neat)
 
     def first_innovations(self) -> Innovations:
-        """Return the numbers that follow those of generation 0's genes."""
+        """Return the numbers that follow those of the first generation's genes."""
         return Innovations.begin(
             self.inputs * self.outputs,
             self.inputs + self.outputs,
@@ -33,7 +33,7 @@ class Reproduction:
         )
 
     def initial_population(self, size: int, random: np.random.Generator) -> Population:
-        """Make generation 0: minimal topologies with random weights (INITIALISEPOPULATION)."""
+        """Make the first generation: minimal topologies, random weights (INITIALISEPOPULATION)."""
         weight, bias = np.empty(self.inputs * self.outputs), np.empty(self.outputs)
         state, genomes = new_state(random), []
         for id in range(size):

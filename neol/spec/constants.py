@@ -132,7 +132,7 @@ class NeatConstants(Model):
     (neat-python 0.92).
     """
     new_node_bias: Literal["zero", "drawn"]
-    """Bias of a node that splits a connection; drawn: as in generation 0."""
+    """Bias of a node that splits a connection; drawn: as in the first generation."""
     remove_connection_rate: Probability
     remove_node_rate: Probability
     crossover_rate: Probability
