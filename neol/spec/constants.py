@@ -208,8 +208,8 @@ class Budget(Model):
     methods: Several[MethodName]
     seeds_per_job: ForEachTask
     """Runs of a cell in one job of the workflow: one number, or one for each task."""
-    configurations: Literal["grid", "table4"] = "grid"
-    """Cells of the grid that are run: all, or for each rule that of the paper's Table 4."""
+    configurations: Literal["grid", "tables", "table4"] = "grid"
+    """Cells of the grid that are run: all, those of the paper's Tables 3 and 4, or of Table 4."""
     records_of: dict[TaskName, Name] = Field(default_factory=dict)
     """Tasks whose runs are part of another budget's, which keeps their records."""
 

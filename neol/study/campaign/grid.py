@@ -73,6 +73,8 @@ def cells(configuration: Configuration) -> list[Cell]:
     if budget.configurations == "grid":
         return grid
     named = _configurations(4)
+    if budget.configurations == "tables":
+        named += _configurations(3)
     return [cell for cell in grid if replace(cell, method=without_mutation(cell.method)) in named]
 
 

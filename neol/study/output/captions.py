@@ -56,10 +56,11 @@ def describe_part(budget: Budget, task: str) -> str:
         parts.append(f"{len(seeds)} of {len(all_seeds)} seeds")
     if (populations := budget.populations_of(task)) != papers.populations_of(task):
         parts.append(f"P = {', '.join(map(str, populations))}")
-    if (rates := budget.learning_rates) != papers.learning_rates:
+    if budget.configurations != "grid":
+        tables = {"tables": "Tables 3 and 4", "table4": "Table 4"}[budget.configurations]
+        parts.append(f"the configurations of {tables}")
+    elif (rates := budget.learning_rates) != papers.learning_rates:
         parts.append(f"learning rates {', '.join(f'{rate:g}' for rate in rates)}")
-    if budget.configurations != papers.configurations:
-        parts.append("the configurations of Table 4")
     return ", ".join(parts)
 
 

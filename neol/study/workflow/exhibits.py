@@ -148,11 +148,15 @@ EXHIBITS = (
 
 
 def exhibits(budget: Budget, *targets: Target) -> list[Exhibit]:
-    """Return the exhibits of some targets, or of all, whose task a budget has."""
+    """Return the exhibits of some targets, or of all, whose task a budget has.
+
+    Heat maps, those with a task, are omitted for a budget that does not run the whole grid.
+    """
+    tasks = budget.tasks if budget.configurations == "grid" else ()
     return [
         each
         for each in EXHIBITS
-        if (not targets or each.group.target in targets) and each.task in (None, *budget.tasks)
+        if (not targets or each.group.target in targets) and each.task in (None, *tasks)
     ]
 
 

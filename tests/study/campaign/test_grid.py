@@ -73,7 +73,7 @@ def test_runs_of_another_budget_have_its_records(paper):
 
 @pytest.mark.parametrize(
     "change",
-    ["budget.seeds=5", "budget.generations=60", "budget.populations=[7]", "neat.elitism=3"],
+    ["budget.seeds=5", "budget.generations=60", "budget.methods=[oja_mutated]", "neat.elitism=3"],
 )
 def test_runs_that_another_budget_does_not_have(change):
     line = refusal(check_shared_records, load_configuration("first_look", [change]))

@@ -197,7 +197,7 @@ def test_tasks_of_different_size_are_told_apart() -> None:
 
 def test_a_part_of_the_papers_budget_says_which() -> None:
     caption = describe_budget(select("first_look", reading="worked_example"))
-    assert "A part of the paper's budget: 10 of 30 seeds, P = 300. Reading worked_ex" in caption
+    assert "budget: 10 of 30 seeds, P = 300, the configurations of Tables 3 and 4. Rea" in caption
     assert "Reduced" not in caption
 
 
