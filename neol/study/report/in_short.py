@@ -11,10 +11,18 @@ import pandas as pd
 from neol.pictures.labels import listed, task_label, value_range
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import load_questions
-from neol.study.outcomes.movement import NEAR_CONTROL_MARK
+from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.report.words import marked_name
 
+TERMS = (
+    "SCORE is the paper's measure of sample efficiency: best fitness summed over generations.",
+    "NEAT (w/o) is NEAT without weight mutation, the paper's ablation.",
+    "A champion is the best network of a run's last generation; fresh or held-out episodes are "
+    "others than those that selected it.",
+    f"{NEAR_CONTROL_MARK} marks a rule that is {NEAR_CONTROL_WORDS}.",
+)
+"""Sentences on the words that the points use; pages print them before."""
 DECIDED = ("reproduced", "same direction", "mixed", "not reproduced", "equivalent to zero")
 """Verdicts that are answers, from the paper's side to the other."""
 

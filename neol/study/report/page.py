@@ -38,7 +38,7 @@ from neol.study.report.common import (
     verified_table,
 )
 from neol.study.report.embedding import short_gif, small_png
-from neol.study.report.in_short import in_short
+from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
 from neol.study.report.results import OPEN, answered
 from neol.study.report.showcase import Showcase, Shown
@@ -91,6 +91,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
+        terms=" ".join(TERMS),
         in_short=in_short(ledger, verified_frame(figures / "beyond_effects.csv"), selection),
         levels=levels_reached(selection),
         questions=questions,

@@ -20,7 +20,6 @@ from neol.study.claims.plan import frozen_plan
 from neol.study.claims.questions import load_claims, load_questions
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
-from neol.study.outcomes.movement import NEAR_CONTROL_WORDS
 from neol.study.output.captions import (
     REDUCED,
     describe_budget,
@@ -33,7 +32,7 @@ from neol.study.output.captions import (
 )
 from neol.study.report import words
 from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
-from neol.study.report.in_short import in_short
+from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
 
 OPEN = ("too short", "not asked here")
@@ -72,7 +71,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         against_ablation=words.effects_table(effects, "neat_wo"),
         after_correction=words.after_correction(effects),
         why_they_differ=WHY_THEY_DIFFER,
-        near_control=NEAR_CONTROL_WORDS,
+        terms=" ".join(TERMS),
         table=table.markdown(),
         table_caption=table.caption,
         table_notes=table.notes,
