@@ -34,7 +34,8 @@ FRAGMENT = re.compile(r'^ *"""(?:Of|As|That|Those|Such) .*', re.MULTILINE)
 PYTHON = "neol/**/*.py", "tests/**/*.py", "benchmarks/**/*.py"
 TEXT = (
     *("config/**/*.yaml", "profiles/**/*.yaml", "rules/*.smk", "Snakefile", "Makefile"),
-    *("README.md", "CONTRIBUTING.md", "docs/*.md", "docs/*/*.md"),
+    *("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/*/*.md"),
+    *("neol/**/*.?pp", "neol/**/*.j2", "paper/*.tex", "paper/plan.md"),
 )
 NOTEBOOKS = ("notebooks/*.ipynb",)
 LEFT_OUT = {
