@@ -23,8 +23,14 @@ TERMS = (
     f"{NEAR_CONTROL_MARK} marks a rule that is {NEAR_CONTROL_WORDS}.",
 )
 """Sentences on the words that the points use; pages print them before."""
-DECIDED = ("reproduced", "same direction", "mixed", "not reproduced", "equivalent to zero")
-"""Verdicts that are answers, from the paper's side to the other."""
+ANSWERS = {
+    "reproduced": "Yes",
+    "same direction": "Yes, but by another amount",
+    "mixed": "Not all of them",
+    "not reproduced": "No",
+    "equivalent to zero": "No, there is no difference",
+}
+"""Verdicts that are answers, from the paper's side to the other, and what each answers."""
 
 
 class Point(NamedTuple):
@@ -56,7 +62,7 @@ def questions_answered(ledger: pd.DataFrame) -> str:
     whole = ledger[ledger["part"] == WHOLE]
     asked = whole[whole["verdict"] != "not asked here"]
     counts = asked["verdict"].value_counts(sort=False)
-    decided = {verdict: counts[verdict] for verdict in DECIDED if verdict in counts}
+    decided = {verdict: counts[verdict] for verdict in ANSWERS if verdict in counts}
     rest = {verdict: count for verdict, count in counts.items() if verdict not in decided}
     said = [
         f"The paper's claims raise {len(whole)} questions; these runs ask {len(asked)} and "
@@ -145,9 +151,13 @@ def _entry(row: Mapping[Any, Any], *, named: bool) -> str:
 
 
 def _of_questions(whole: pd.DataFrame, verdict: str) -> str:
-    """Name the questions with a verdict; the mark says that no rule moves in any part of one."""
+    """Ask and answer the questions with a verdict.
+
+    The mark says that no rule moves in any part of one.
+    """
     asked = {question.id: question.ask for question in load_questions()}
     rows = whole[whole["verdict"] == verdict].to_dict("records")
     return " ".join(
-        f"{asked[row['question']]}{NEAR_CONTROL_MARK * row['near_control']}" for row in rows
+        f"{asked[row['question']]} {ANSWERS[verdict]}{NEAR_CONTROL_MARK * row['near_control']}."
+        for row in rows
     )

@@ -32,7 +32,7 @@ def test_questions_are_counted_by_verdict_and_answers_named() -> None:
     ledger = pd.DataFrame(rows, columns=["question", "part", "verdict", "near_control"])
     assert in_short.questions_answered(ledger) == (
         "The paper's claims raise 4 questions; these runs ask 3 and answer 2. "
-        f"Reproduced: {a.ask}† Not reproduced: {c.ask} Not answered: 1 too short."
+        f"Reproduced: {a.ask} Yes†. Not reproduced: {c.ask} No. Not answered: 1 too short."
     )
 
 
