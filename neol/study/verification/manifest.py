@@ -80,14 +80,18 @@ class Manifest(Model):
 
 
 def records_of(campaign: str | None) -> dict[str, Job]:
-    """Return the records of a campaign by path below its folder; none if it is unknown."""
+    """Return the records of a campaign by path below its folder; none if it is unknown.
+
+    Those that another budget keeps are not among them.
+    """
     reading, _, budget = (campaign or "").rpartition("/")
     try:
         every = list(jobs(load_configuration(budget, reading=reading)))
     except UserError:  # a record may state any campaign
         return {}
     home = RESULTS / reading / budget
-    return {job.record.relative_to(home).as_posix(): job for job in every}
+    own = (job for job in every if job.record.is_relative_to(home))
+    return {job.record.relative_to(home).as_posix(): job for job in own}
 
 
 def write_manifest(folder: Path, tasks: str = "") -> Manifest:
