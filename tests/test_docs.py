@@ -97,7 +97,7 @@ def test_the_readme_knows_the_budgets_and_their_records() -> None:
     assert set(re.findall(r"results/\S+\.parquet", text)) <= records
 
 
-@pytest.mark.parametrize("page", ["results.md", "results-paper-cartpole.md"])
+@pytest.mark.parametrize("page", sorted(path.name for path in ROOT.glob("docs/results*.md")))
 def test_the_readme_shows_the_results_as_they_were_written(page: str) -> None:
     readme, results = ((ROOT / path).read_text() for path in ("README.md", f"docs/{page}"))
     points = results.split("\n## In short\n\n")[1].split("\n\n")[0]
