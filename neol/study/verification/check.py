@@ -19,6 +19,9 @@ from neol.study.verification.manifest import absolute
 from neol.study.verification.manifest_folder import Campaigns, ManifestFolders
 from neol.study.verification.plausible import impossible_values
 
+FEW = 3
+"""Number of campaigns whose shares are noted one by one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Problem:
@@ -89,10 +92,17 @@ class Verification:
                     yield Problem(self._as_given(path), meaning)
 
     def notes(self) -> Iterator[str]:
-        """Yield notes after the check: shares of campaigns, records without a manifest."""
-        for campaign, found in self._found.items():
-            all_of_it = len(self._campaigns.cells(campaign))
-            yield f"{len(found):,} of {all_of_it:,} records of {campaign}"
+        """Yield notes after the check: shares of campaigns, records without a manifest.
+
+        Of many campaigns, only the number of complete ones is noted.
+        """
+        whole = {campaign: len(self._campaigns.cells(campaign)) for campaign in self._found}
+        if len(whole) > FEW:
+            complete = sum(len(found) == whole[each] for each, found in self._found.items())
+            yield f"{complete} of {len(whole)} campaigns complete"
+        else:
+            for campaign, found in self._found.items():
+                yield f"{len(found):,} of {whole[campaign]:,} records of {campaign}"
         if history.ancestors() is None:
             yield "commits not looked up: no whole history is here"
         if loose := sum(self._folders.above(path) is None for path in self.records):

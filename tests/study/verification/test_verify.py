@@ -12,8 +12,8 @@ from neol.rollout.environment import network_size
 from neol.run.runner import run_block
 from neol.spec.configuration import load_configuration
 from neol.spec.observations import size_of
-from neol.study.campaign.jobs import SENSITIVITY, jobs
-from neol.study.verification.manifest import NAME, read_manifest, records_of, write_manifest
+from neol.study.campaign.jobs import jobs
+from neol.study.verification.manifest import NAME, read_manifest, write_manifest
 from neol.study.verification.replays import Coverage, Replay, Run, coverage, draw
 from neol.study.verification.returns import Returns, returns_of
 from tests.helpers.command import neol
@@ -307,8 +307,3 @@ def test_what_an_episode_returns_is_bounded_in_all_of_the_papers_environments() 
     for task in load_configuration("paper").tasks.values():
         assert returns_of(task) is not None
     assert returns_of(load_configuration("smoke").tasks["cartpole"]) == Returns(1.0, 200.0, 1.0)
-
-
-def test_a_folder_is_not_asked_for_records_that_another_budget_keeps() -> None:
-    own = records_of("rare_mutation/first_look").values()
-    assert {job.part for job in own} == {SENSITIVITY}
