@@ -42,11 +42,11 @@ def reward_scales(reading: str, results: Path = RESULTS) -> list[list[str]]:
         "Table 3: BCM's best rate on Lunar Lander is 0.25",
         "A.8.1: on CartPole at 0.25 and P = 50 Oja falls below the ceiling; Hebb and BCM do not",
     ]
-    rows = []
+    default, rows = load_configuration(reading=reading).plasticity.reward_scale, []
     for beta in BETAS:
         finals = _finals(reading, beta, results)
         statements = (_hebb_leads(finals), _best_rate(finals), _oja_falls(finals))
-        rows.append([f"{beta:g}", *statements])
+        rows.append([f"{beta:g}{' (default)' * (beta == default)}", *statements])
     return [head, *rows]
 
 

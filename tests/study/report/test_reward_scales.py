@@ -32,7 +32,7 @@ def lander(method: str, rate: float | None) -> Cell:
 
 def test_without_runs_nothing_is_said(tmp_path: Path) -> None:
     _, *rows = reward_scales(READING, tmp_path)
-    assert rows == [[beta, NOT_RUN, NOT_RUN, NOT_RUN] for beta in ("1", "0.1", "0.01")]
+    assert rows == [[beta, NOT_RUN, NOT_RUN, NOT_RUN] for beta in ("1 (default)", "0.1", "0.01")]
 
 
 def test_a_lead_of_hebb_is_compared_with_the_papers(tmp_path: Path) -> None:
