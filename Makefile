@@ -21,7 +21,7 @@ help:
 	@echo 'make report               make one page with all results: figures/report.html'
 	@echo 'make docs                 build the documentation: build/site/index.html'
 	@echo 'make lab                  open notebooks/explore.ipynb in JupyterLab'
-	@echo 'make check                check style and types, run the fast tests; under a minute'
+	@echo 'make check                check style and types, run the fast tests; two minutes'
 	@echo 'make test                 run all checks and tests'
 	@echo 'make search               find readings that reproduce the baselines; hours (docs/readings-plan.md)'
 	@echo 'make multiverse           ask each question under 32 readings; an hour (docs/readings-plan.md)'
