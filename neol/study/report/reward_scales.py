@@ -5,7 +5,7 @@ product.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -15,14 +15,10 @@ from neol.spec.configuration import PAPER_BUDGET, load_configuration
 from neol.spec.readings import with_changes
 from neol.study.campaign.grid import RESULTS, Cell, cells
 from neol.study.outcomes.campaign_runs import Campaign
-from neol.study.outcomes.contrasts import Moments, difference
+from neol.study.outcomes.contrasts import Difference, Moments, difference
 from neol.study.outcomes.paper_numbers import moments
 
 BETAS = (1.0, 0.1, 0.01)
-RATES = (0.00025, 0.0025, 0.025, 0.25)
-"""The paper's learning rates."""
-CEILING = 500.0
-"""Largest return on CartPole."""
 MOST = 0.9
 """Share of runs at the ceiling from which a method is said to reach it."""
 NOT_RUN = "not run"
@@ -36,17 +32,21 @@ def reward_scales(reading: str, results: Path = RESULTS) -> list[list[str]]:
 
     The runs are those of a reading at the paper's budget. Raises UserError as `Campaign.runs` does.
     """
+    papers, paper = _papers_lead(), load_configuration(PAPER_BUDGET, reading=reading)
+    rates, ceiling = paper.budget.learning_rates, paper.tasks["cartpole"].max_steps
     head = [
         "beta",
-        "Table 7: on Lunar Lander Hebb at 0.00025 ends 10.9 ± 1.8 above NEAT (w/o)",
+        f"Table 7: on Lunar Lander Hebb at 0.00025 ends {papers.value:.1f} ± {papers.error:.1f} "
+        "above NEAT (w/o)",
         "Table 3: BCM's best rate on Lunar Lander is 0.25",
         "A.8.1: on CartPole at 0.25 and P = 50 Oja falls below the ceiling; Hebb and BCM do not",
     ]
-    default, rows = load_configuration(reading=reading).plasticity.reward_scale, []
+    rows = []
     for beta in BETAS:
         finals = _finals(reading, beta, results)
-        statements = (_hebb_leads(finals), _best_rate(finals), _oja_falls(finals))
-        rows.append([f"{beta:g}{' (default)' * (beta == default)}", *statements])
+        statements = _hebb_leads(finals), _best_rate(finals, rates), _oja_falls(finals, ceiling)
+        default = " (default)" * (beta == paper.plasticity.reward_scale)
+        rows.append([f"{beta:g}{default}", *statements])
     return [head, *rows]
 
 
@@ -74,6 +74,12 @@ def _finals(reading: str, beta: float, results: Path) -> Finals:
     return finals
 
 
+def _papers_lead() -> Difference:
+    """Return Hebb's lead over NEAT (w/o) on Lunar Lander in Table 7."""
+    paper = moments([7], "lunar_lander")
+    return difference(paper["hebb"], paper["neat_wo"])
+
+
 def _hebb_leads(finals: Finals) -> str:
     """Compare Hebb's lead over NEAT (w/o) on Lunar Lander with that of Table 7."""
     hebb = finals(Cell("lunar_lander", "hebb", 300, 0.00025))
@@ -81,16 +87,15 @@ def _hebb_leads(finals: Finals) -> str:
     if not (hebb and without):
         return NOT_RUN
     ours = difference(Moments.of(hebb), Moments.of(without))
-    paper = moments([7], "lunar_lander")
     low, high = ours.interval()
-    paper_low, _ = difference(paper["hebb"], paper["neat_wo"]).interval()
+    paper_low, _ = _papers_lead().interval()
     verdict = "seen" if low > 0 else "contradicted" if high < paper_low else "open"
     return f"{verdict}: {ours.value:+.1f} [{low:.1f}, {high:.1f}]"
 
 
-def _best_rate(finals: Finals) -> str:
+def _best_rate(finals: Finals, rates: Sequence[float]) -> str:
     """Compare BCM's learning rates on Lunar Lander."""
-    runs = {rate: finals(Cell("lunar_lander", "bcm", 300, rate)) for rate in RATES}
+    runs = {rate: finals(Cell("lunar_lander", "bcm", 300, rate)) for rate in rates}
     known = {rate: Moments.of(each) for rate, each in runs.items() if each}
     if 0.25 not in known or len(known) == 1:
         return NOT_RUN
@@ -98,18 +103,18 @@ def _best_rate(finals: Finals) -> str:
     said = "; ".join(f"{rate:g}: {known[rate].mean:.0f} ± {known[rate].sd:.0f}" for rate in known)
     lead = difference(known[best], known[0.25])
     if best == 0.25:
-        verdict = "seen" if len(known) == len(RATES) else "open"
+        verdict = "seen" if len(known) == len(rates) else "open"
     else:
         verdict = "contradicted" if lead.interval()[0] > 0 else "open"
     return f"{verdict}: {said}"
 
 
-def _oja_falls(finals: Finals) -> str:
+def _oja_falls(finals: Finals, ceiling: float) -> str:
     """Count the runs that end at CartPole's ceiling."""
     runs = {rule: finals(Cell("cartpole", rule, 50, 0.25)) for rule in ("oja", "hebb", "bcm")}
     if not all(runs.values()):
         return NOT_RUN
-    there = {rule: sum(final == CEILING for final in each) for rule, each in runs.items()}
+    there = {rule: sum(final == ceiling for final in each) for rule, each in runs.items()}
     shares = {rule: there[rule] / len(each) for rule, each in runs.items()}
     seen = shares["oja"] < MOST <= min(shares["hebb"], shares["bcm"])
     said = ", ".join(f"{method_label(rule)} {there[rule]} of {len(runs[rule])}" for rule in runs)
