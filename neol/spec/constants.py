@@ -209,7 +209,10 @@ class Budget(Model):
     seeds_per_job: ForEachTask
     """Runs of a cell in one job of the workflow: one number, or one for each task."""
     configurations: Literal["grid", "tables", "table4"] = "grid"
-    """Cells of the grid that are run: all, those of the paper's Tables 3 and 4, or of Table 4."""
+    """Cells of the grid that are run: all, those of the paper's Tables 3 and 4, or of Table 4.
+
+    Where a table names a population that the budget does not have, its largest is taken.
+    """
     records_of: dict[TaskName, Name] = Field(default_factory=dict)
     """Tasks whose runs are part of another budget's, which keeps their records."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from neol.base.errors import UserError
 from neol.run.record import campaign_name
 from neol.spec.configuration import ROOT, Configuration, load_configuration
+from neol.spec.constants import Budget
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.methods import without_mutation
 
@@ -37,7 +38,7 @@ class Block:
     """Seeds `first` to `last` of a cell, which one job runs into one record."""
 
     home: Path
-    """Folder of the budget that keeps its record, below the results folder: first/smoke."""
+    """Folder of the budget that keeps its record, below the results folder: rare_mutation/smoke."""
     cell: Cell
     first: int
     last: int
@@ -48,13 +49,13 @@ class Block:
 
     @property
     def record(self) -> Path:
-        """Path below the results folder: first/smoke/cartpole/neat/p050/seeds_000-004.parquet."""
+        """Path below the results folder; it ends like cartpole/neat/p050/seeds_000-004.parquet."""
         name = f"seeds_{self.first:03d}-{self.last:03d}.parquet"
         return self.home / self.cell.folder / name
 
 
 def home(configuration: Configuration) -> Path:
-    """Return the folder of a campaign's records below the results folder: first/smoke."""
+    """Return the folder of a campaign's records below the results folder: rare_mutation/smoke."""
     return Path(campaign_name(configuration.reading, configuration.budget.name))
 
 
@@ -72,9 +73,9 @@ def cells(configuration: Configuration) -> list[Cell]:
     ]
     if budget.configurations == "grid":
         return grid
-    named = _configurations(4)
+    named = _configurations(budget, 4)
     if budget.configurations == "tables":
-        named += _configurations(3)
+        named += _configurations(budget, 3)
     return [cell for cell in grid if replace(cell, method=without_mutation(cell.method)) in named]
 
 
@@ -119,19 +120,31 @@ def run_specs(configuration: Configuration, block: Block) -> list[RunSpec]:
 
 
 def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str], Cell]:
-    """Return the budget's cells that are in the paper's Table 3 or 4, by task and method."""
+    """Return the budget's cells of the paper's Table 3 or 4, by task and method."""
     available = set(cells(configuration))
-    return {(cell.task, cell.method): cell for cell in _configurations(table) if cell in available}
+    named = _configurations(configuration.budget, table)
+    return {(cell.task, cell.method): cell for cell in named if cell in available}
 
 
-def _configurations(table: int) -> list[Cell]:
-    """Return the cells of the paper's Table 3 or 4."""
+def _configurations(budget: Budget, table: int) -> list[Cell]:
+    """Return the cells of the paper's Table 3 or 4.
+
+    In a budget of these cells alone, a population that it does not have becomes its largest.
+    """
+
+    def population(row: dict[str, str]) -> int:
+        named = int(row["population"])
+        if budget.configurations == "grid" or row["task"] not in budget.tasks:
+            return named
+        available = budget.populations_of(row["task"])
+        return named if named in available else max(available)
+
     with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:
         return [
             Cell(
                 row["task"],
                 row["method"],
-                int(row["population"]),
+                population(row),
                 float(row["learning_rate"]) if row["learning_rate"] else None,
             )
             for row in csv.DictReader(file)

@@ -82,6 +82,18 @@ def test_runs_that_another_budget_does_not_have(change):
     )
 
 
+def test_a_population_that_a_budget_of_tables_lacks_becomes_its_largest():
+    evidence = load_configuration("evidence")
+    there = cells(evidence)
+    assert len(there) == 4 * 5
+    assert {cell.population for cell in there if cell.task == "hopper"} == {100}
+    for table in (3, 4):
+        assert len(paper_cells(evidence, table)) == 16
+    walker = paper_cells(load_configuration("evidence", ["budget.populations=[100, 200]"]), 3)
+    assert walker["bipedal_walker", "neat"].population == 100  # as in Table 3
+    assert walker["bipedal_walker", "bcm"].population == 200  # 300 in Table 3
+
+
 def test_seeds_may_begin_elsewhere_than_at_0():
     seeds = "budget.seeds={first: 1000, count: 5}"
     configuration = load_configuration("smoke", [seeds, "budget.seeds_per_job=3"])
