@@ -1,4 +1,8 @@
-"""The numbers of docs/scaling.md; `python -m benchmarks.scaling desk` prints those of a budget."""
+"""The numbers of docs/scaling.md.
+
+`python -m benchmarks.scaling desk first` prints those of a budget, with those of its records by a
+reading; without the reading, by the default one.
+"""
 
 import heapq
 import sys
@@ -10,6 +14,7 @@ from benchmarks.table import TITLES, Table, markdown, number
 from neol.base.errors import UserError
 from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT, load_configuration
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.cost import Get, neat_seconds, run_seconds, shipped
 from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
 from neol.study.campaign.shown import select
@@ -41,10 +46,10 @@ def prediction(get: Get, budget: str) -> str:
     return f"{_core_hours(costs)}\n{_runs(costs)}\n{_wall(costs)}"
 
 
-def comparison(get: Get, budget: str) -> str:
+def comparison(get: Get, budget: str, reading: str = DEFAULT_READING) -> str:
     """Compare the predicted cost of a budget's existing records with their measured cost."""
     parts = []
-    for cost in _costs(get, budget):
+    for cost in _costs(get, budget, reading):
         path, spec = ROOT / cost.job.record, cost.job.spec
         if path.exists():
             spent = sum(info.cpu_seconds for info in read_record(path, spec).seeds)
@@ -57,10 +62,10 @@ def comparison(get: Get, budget: str) -> str:
     return markdown(header, rows)
 
 
-def spent(budget: str) -> str:
+def spent(budget: str, reading: str = DEFAULT_READING) -> str:
     """Return the measured cost of a budget's records, and that of its sensitivity study."""
     parts = []
-    for job in jobs(select(budget)):
+    for job in jobs(select(budget, reading=reading)):
         if (ROOT / job.record).exists():
             record = read_record(ROOT / job.record, job.spec)
             steps = sum(record.rows_of(seed)["env_steps"][-1] for seed in job.seeds)
@@ -98,10 +103,10 @@ class Cost:
         return len(self.job.seeds)
 
 
-def _costs(get: Get, budget: str) -> list[Cost]:
+def _costs(get: Get, budget: str, reading: str = DEFAULT_READING) -> list[Cost]:
     """Return the costs of a budget's grid, for its measured tasks."""
     found = []
-    for job in jobs(select(budget)):
+    for job in jobs(select(budget, reading=reading)):
         usual, longest = run_seconds(job.spec, get), run_seconds(job.spec, get, to_the_limit=True)
         if job.part != SENSITIVITY and usual is not None and longest is not None:
             found.append(Cost(job, len(job.seeds) * usual, len(job.seeds) * longest))
@@ -173,7 +178,7 @@ def _runs(costs: Iterable[Cost]) -> str:
     rows = [
         [
             f"{TITLES[task]}, {method}",
-            *(number(found[population]) for population in populations),
+            *(number(found.get(population)) for population in populations),
             str(most[task, method][2]),
             *(number(hours) for hours in most[task, method][:2]),
         ]
@@ -202,8 +207,10 @@ def _days(jobs: Iterable[float], cores: int) -> float:
 
 
 if __name__ == "__main__":
-    name = sys.argv[1] if len(sys.argv) == 2 else "paper"
+    name, *reading = sys.argv[1:] or ["paper"]
     try:
-        print(f"{prediction(shipped, name)}\n{comparison(shipped, name)}\n{spent(name)}")
+        print(prediction(shipped, name))
+        print(comparison(shipped, name, *reading))
+        print(spent(name, *reading))
     except UserError as error:
         sys.exit(f"neol: {error}")

@@ -19,7 +19,6 @@ from neol.study.campaign.multiverse import BUDGET as MULTIVERSE
 from neol.study.campaign.search import CONFIRMATION, SCREENING
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
-    SHOWN_READING,
     figures_folder,
     full_label,
     results_page,
@@ -66,7 +65,7 @@ try:
     CONFIGURATION = select(
         BUDGET,
         TASKS,
-        with_changes(str(config.get("reading", SHOWN_READING)), config.get("set")),
+        with_changes(str(config.get("reading", DEFAULT_READING)), config.get("set")),
     )
     refuse_unknown_exhibits(sys.argv[1:], CONFIGURATION)
     ALIVE = clear_stale_locks()

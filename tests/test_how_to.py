@@ -12,6 +12,7 @@ import pytest
 
 from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT
+from neol.spec.readings import DEFAULT_READING
 from neol.study.output.sidecar import trace
 from tests.workflow.clone import fresh_clone
 
@@ -115,10 +116,10 @@ def test_a_task_in_a_budget(tmp_path: Path) -> None:
     commands = blocks("add-a-task.md", "bash")[1].replace("snakemake", "snakemake --dry-run")
     printed = shell(commands, tmp_path, tmp_path)
     assert "environment: Acrobot-v1" in printed
-    planned = set(re.findall(r"results/first/swing/\S+\.parquet", printed))
+    planned = set(re.findall(r"results/rare_mutation/swing/\S+\.parquet", printed))
     assert planned == {
-        "results/first/swing/acrobot/neat/p008/seeds_000-001.parquet",
-        "results/first/swing/acrobot/oja/p008_lr0.25/seeds_000-001.parquet",
+        "results/rare_mutation/swing/acrobot/neat/p008/seeds_000-001.parquet",
+        "results/rare_mutation/swing/acrobot/oja/p008_lr0.25/seeds_000-001.parquet",
     }
 
 
@@ -194,20 +195,20 @@ def test_a_question_under_another_reading(tmp_path: Path) -> None:
     look, ask, compare, own = blocks("ask-another-reading.md", "bash")
 
     printed = shell(look, tmp_path, tmp_path)
-    assert "<   reward_scale: 0.01" in printed and ">   reward_scale: 1.0" in printed
+    assert "<   weight_mutate_rate: 0.1" in printed and ">   weight_mutate_rate: 0.8" in printed
 
     planned = shell(ask.replace("snakemake", "snakemake --dry-run"), tmp_path, tmp_path)
     changed = "worked_example+plasticity.reward_scale=0.1"
     cell = "landing/lunar_lander/hebb/p006_lr0.0025/seeds_5000-5001.parquet"
-    for name in ("worked_example", changed, "first"):
+    for name in (DEFAULT_READING, changed):
         assert f"results/{name}/{cell}" in planned
-    for place in ("worked_example/landing", f"{changed}/landing", "landing"):
+    for place in ("landing", f"{changed}/landing"):
         for table in ("table1.md", "table5.csv", "table7.md"):
             assert f"figures/{place}/{table}" in planned
 
     records = "snakemake --cores 1 results/{}/" + cell + " --config budget=landing reading={}"
     options = f"worked_example set={changed.removeprefix('worked_example+')}"
-    shell(records.format("worked_example", "worked_example"), tmp_path, tmp_path)
+    shell(records.format(DEFAULT_READING, DEFAULT_READING), tmp_path, tmp_path)
     shell(records.format(changed, options), tmp_path, tmp_path)
     printed = shell(compare.replace("p050", "p006"), tmp_path, tmp_path)
     assert re.search(r"plasticity.reward_scale +1\.0 +0\.1", printed), printed

@@ -17,7 +17,7 @@ PIPED_WIDTH = 200
 
 @app.command(
     epilog=examples(
-        "neol status demo", "neol status results/first/demo", "neol status demo --watch"
+        "neol status demo", "neol status results/rare_mutation/demo", "neol status demo --watch"
     )
 )
 def status(
@@ -40,14 +40,15 @@ def status(
 
     from neol.cli.progress import Display
     from neol.cli.status_view import picture, summary
+    from neol.spec.readings import DEFAULT_READING
     from neol.study.campaign.grid import RESULTS
-    from neol.study.campaign.shown import SHOWN_READING, select
+    from neol.study.campaign.shown import select
     from neol.study.workflow.outlook import Status
     from neol.study.workflow.status import Folder
 
     if not campaign.name:  # it is "."
         campaign = Path.cwd()
-    path = RESULTS / SHOWN_READING / campaign if len(campaign.parts) == 1 else campaign
+    path = RESULTS / DEFAULT_READING / campaign if len(campaign.parts) == 1 else campaign
     folder = Folder(path, select(path.name, tasks, path.absolute().parent.name))
     if not path.is_dir():
         absent = f"{path} does not exist (from {Path.cwd()})"

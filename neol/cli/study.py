@@ -26,8 +26,8 @@ def trace(
 @app.command(
     epilog=examples(
         "neol compare a.parquet b.parquet",
-        "neol compare results/first/demo/cartpole/bcm/p050_lr0.25 \\",
-        "    results/first/demo/cartpole/neat/p050 --output curves.png",
+        "neol compare results/rare_mutation/demo/cartpole/bcm/p050_lr0.25 \\",
+        "    results/rare_mutation/demo/cartpole/neat/p050 --output curves.png",
     )
 )
 def compare(

@@ -29,7 +29,7 @@ def digest(record: RecordPath) -> None:
 
 @app.command(
     epilog=examples(
-        "neol manifest results/first/demo",
+        "neol manifest results/rare_mutation/demo",
         "neol manifest results/first/paper --tasks cartpole",
     )
 )
@@ -52,7 +52,7 @@ def manifest(
 @app.command(
     epilog=examples(
         "neol verify results",
-        "neol verify results/first/demo --replay 5",
+        "neol verify results/rare_mutation/demo --replay 5",
         "neol verify a.parquet --replay all --log replayed.txt",
     )
 )

@@ -91,7 +91,7 @@ class SeedInfo(Model):
 
 
 def campaign_name(reading: str | None, budget: str) -> str:
-    """Return a campaign's name, which is its folder below results/: first/demo."""
+    """Return a campaign's name, which is its folder below results/: rare_mutation/demo."""
     return f"{reading}/{budget}"
 
 
@@ -122,7 +122,7 @@ class Record:
 
     @property
     def campaign(self) -> str | None:
-        """Campaign of the record, such as first/demo; None without a budget."""
+        """Campaign of the record, such as rare_mutation/demo; None without a budget."""
         return None if self.budget is None else campaign_name(self.reading, self.budget)
 
     def frame(self) -> "pd.DataFrame":

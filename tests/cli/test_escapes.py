@@ -7,7 +7,7 @@ from neol.spec.configuration import ROOT
 from neol.study.verification.check import Problem
 from tests.helpers.command import neol
 
-RECORD = ROOT / "results/first/demo/cartpole/neat/p050/seeds_000-004.parquet"
+RECORD = ROOT / "results/rare_mutation/demo/cartpole/neat/p050/seeds_000-004.parquet"
 
 
 def test_compare_shows_names_as_text(tmp_path: Path) -> None:

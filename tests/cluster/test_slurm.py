@@ -25,8 +25,9 @@ from neol.run.record_file import read_record
 from neol.run.runner import run_seed
 from neol.run.workspace import partial_folder
 from neol.spec.configuration import Configuration, load_configuration
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS, Block, blocks, run_specs
-from neol.study.campaign.shown import SHOWN_READING, select
+from neol.study.campaign.shown import select
 from tests.cluster.slurm import missing, slurm
 from tests.workflow.clone import fresh_clone
 
@@ -127,7 +128,11 @@ def test_a_campaign_has_the_same_digests_as_here(clone: Path, cluster: Environme
         clone,
     )
     assert different(clone, SMOKE, some) == []
-    left = [path for path in (clone / "results" / "first" / "smoke").rglob("*") if path.is_file()]
+    left = [
+        path
+        for path in (clone / "results" / DEFAULT_READING / "smoke").rglob("*")
+        if path.is_file()
+    ]
     assert sorted(left) == sorted(clone / record for record in records)
 
 
@@ -161,12 +166,12 @@ class Watch:
 
 def _long_budget(clone: Path) -> Configuration:
     """Give the clone a budget of long runs, and no records of it."""
-    configuration = load_configuration("smoke", LONG, reading=SHOWN_READING)
+    configuration = load_configuration("smoke", LONG, reading=DEFAULT_READING)
     content = configuration.model_dump(mode="json", include={"budget", "tasks", "evaluation"})
     for named in (content["budget"], *content["tasks"].values()):
         del named["name"]
     (clone / "config" / "long.yaml").write_text(json.dumps(content))
-    shutil.rmtree(clone / "results" / "first" / "long", ignore_errors=True)
+    shutil.rmtree(clone / "results" / DEFAULT_READING / "long", ignore_errors=True)
     budget = configuration.budget.model_copy(update={"name": "long"})
     return configuration.model_copy(update={"budget": budget})
 

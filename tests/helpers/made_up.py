@@ -11,9 +11,9 @@ from neol.run.provenance import provenance
 from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, join
 from neol.run.record_file import write_record
 from neol.spec.configuration import Configuration, load_configuration
+from neol.spec.readings import DEFAULT_READING
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.grid import Block, Cell, blocks, run_specs
-from neol.study.campaign.shown import SHOWN_READING
 from neol.study.campaign.variants import trials
 
 
@@ -22,7 +22,7 @@ def configuration(
     tasks: Sequence[str] = ("cartpole",),
     generations: int = 2,
     seeds: int = 3,
-    reading: str = SHOWN_READING,
+    reading: str = DEFAULT_READING,
 ) -> Configuration:
     """The smoke budget (P = 6, 12, two rates) with other tasks, generations and seeds."""
     return load_configuration(
@@ -84,7 +84,7 @@ def run(
     spec: RunSpec,
     budget: str,
     final_best: float,
-    reading: str = SHOWN_READING,
+    reading: str = DEFAULT_READING,
     decline: float = 1.0,
 ) -> Record:
     """Return a run whose best fitness is higher by `decline` in each earlier generation.

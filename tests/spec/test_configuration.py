@@ -56,7 +56,7 @@ def test_an_unknown_budget(budget):
     text = refusal(load_configuration, budget)
     assert text.startswith(f'unknown budget "{budget}"')
     assert text.endswith(
-        "(allowed: confirmation, demo, desk, evidence, first_look, multiverse, paper, search, smoke, "
+        "(allowed: confirmation, demo, desk, evidence, multiverse, paper, search, smoke, "
         "two_by_two, PATH.yaml)"
     )
 

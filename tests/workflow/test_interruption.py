@@ -33,7 +33,7 @@ BUDGET = {
     "seeds_per_job": "3",
 }
 COMMAND = ("records", "--config", "budget=mini", "--cores", "1")
-RECORD = Path("results/first/mini/cartpole/oja/p020_lr0.25/seeds_000-002.parquet")
+RECORD = Path("results/rare_mutation/mini/cartpole/oja/p020_lr0.25/seeds_000-002.parquet")
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def spec() -> RunSpec:
     overrides = [f"budget.{key}={value}" for key, value in BUDGET.items()]
-    configuration = load_configuration("paper", overrides, reading="first")
+    configuration = load_configuration("paper", overrides)
     (block,) = blocks(configuration)
     return run_specs(configuration, block)[0]
 

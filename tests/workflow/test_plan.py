@@ -11,10 +11,11 @@ from pathlib import Path
 import pytest
 
 from neol.run.workspace import finished_path, partial_folder
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS, blocks, paper_cells
 from neol.study.campaign.jobs import jobs
 from neol.study.campaign.multiverse import calls
-from neol.study.campaign.shown import DEFAULT_BUDGET, SHOWN_READING, select
+from neol.study.campaign.shown import DEFAULT_BUDGET, select
 from neol.study.output.sidecar import trace
 from tests.workflow.clone import FIGURES, SMOKE, fresh_clone, planned, snakemake
 
@@ -241,7 +242,7 @@ def test_what_cannot_be_made_is_refused_in_one_line(
     "arguments",
     [
         ["figures/paper/claims.tex"],
-        [f"results/{SHOWN_READING}/{DEFAULT_BUDGET}/cartpole/nix.parquet"],
+        [f"results/{DEFAULT_READING}/{DEFAULT_BUDGET}/cartpole/nix.parquet"],
     ],
 )
 def test_what_is_not_of_what_is_shown_has_no_rule(clone: Path, arguments: list[str]) -> None:

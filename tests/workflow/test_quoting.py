@@ -58,7 +58,7 @@ def test_the_workflow_works_in_a_folder_of_any_name(tmp_path: Path) -> None:
     environment = clone / "environment"
     environment.symlink_to(sys.prefix)
     program = str(environment / "bin" / Path(sys.executable).name)
-    record = "results/first/smoke/cartpole/neat/p006/seeds_000-002.parquet"
+    record = "results/rare_mutation/smoke/cartpole/neat/p006/seeds_000-002.parquet"
     for target in ([record, *SMOKE], ["figures/table3.tex"]):
         result = subprocess.run(
             [program, "-m", "snakemake", *target],

@@ -81,7 +81,7 @@ def test_table_1_is_traced_to_its_records(clone: Path) -> None:
 
 
 def test_the_executed_notebook_is_kept_and_its_source_untouched(clone: Path) -> None:
-    executed = json.loads((clone / "build/first/smoke/tables.ipynb").read_text())
+    executed = json.loads((clone / "build/rare_mutation/smoke/tables.ipynb").read_text())
     assert any(cell.get("outputs") for cell in executed["cells"])
     source = json.loads((clone / "notebooks/tables.ipynb").read_text())
     assert not any(cell.get("outputs") for cell in source["cells"])
@@ -188,7 +188,7 @@ def test_snakemake_reports_with_captions(whole: Path) -> None:
 
 @NEEDS_LATEX
 def test_the_paper_is_short_and_refers_to_what_is_there(whole: Path) -> None:
-    log = (whole / "build/first/smoke/paper/reproduction.log").read_text(errors="replace")
+    log = (whole / "build/rare_mutation/smoke/paper/reproduction.log").read_text(errors="replace")
     written = re.search(r"Output written on .*\((\d+)\s+pages", log.replace("\n", ""))
     assert written
     assert 7 <= int(written[1]) <= 12
@@ -198,7 +198,7 @@ def test_the_paper_is_short_and_refers_to_what_is_there(whole: Path) -> None:
 @NEEDS_LATEX
 def test_the_paper_comes_out_the_same_again(whole: Path) -> None:
     before = hashlib.sha256((whole / PAPER).read_bytes()).hexdigest()
-    shutil.rmtree(whole / "build/first/smoke/paper")
+    shutil.rmtree(whole / "build/rare_mutation/smoke/paper")
     made = snakemake(whole, str(PAPER), *SMOKE)
     assert made.returncode == 0, made.stderr
     assert hashlib.sha256((whole / PAPER).read_bytes()).hexdigest() == before

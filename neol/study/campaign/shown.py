@@ -7,20 +7,18 @@ from pathlib import Path
 from neol.base.errors import UserError, hint
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
-from neol.spec.readings import FIRST_READING
+from neol.spec.readings import DEFAULT_READING
 from neol.spec.sources import by_dotted_key
 from neol.study.campaign.grid import check_shared_records
 
-DEFAULT_BUDGET = "desk"
+DEFAULT_BUDGET = "evidence"
 """Budget that is shown by default."""
 TWO_BY_TWO = "two_by_two"
 """Budget of the rules with weight mutation, which the paper does not have."""
-SHOWN_READING = FIRST_READING
-"""Reading that is shown by default: that of the shipped records."""
 
 
 def select(
-    budget: str = DEFAULT_BUDGET, tasks: str = "", reading: str = SHOWN_READING
+    budget: str = DEFAULT_BUDGET, tasks: str = "", reading: str = DEFAULT_READING
 ) -> Configuration:
     """Return a budget's configuration with all of its tasks, or the named ones: "cartpole,hopper".
 
@@ -78,10 +76,9 @@ def chosen_tasks(budget: Budget) -> tuple[str, ...]:
 def label(configuration: Configuration) -> str:
     """Return the selection as a path: paper, or paper-cartpole,hopper for some of its tasks.
 
-    For a reading other than `SHOWN_READING` its name comes first: default/paper.
+    For a reading other than the default one its name comes first: first/paper.
     """
-    whole = full_label(configuration)
-    return whole.removeprefix(f"{SHOWN_READING}/")
+    return full_label(configuration).removeprefix(f"{DEFAULT_READING}/")
 
 
 def full_label(configuration: Configuration) -> str:
@@ -97,7 +94,7 @@ def figures_folder(configuration: Configuration) -> Path:
 
 
 def results_page(configuration: Configuration) -> Path:
-    """Return its page of results: docs/results.md, or docs/results-paper-cartpole.md."""
+    """Return its page of results: docs/results.md, or docs/results-demo.md."""
     name = label(configuration).replace("/", "-")
     return Path("docs") / ("results.md" if name == DEFAULT_BUDGET else f"results-{name}.md")
 
@@ -105,7 +102,7 @@ def results_page(configuration: Configuration) -> Path:
 def snakemake_options(configuration: Configuration) -> str:
     """Return the options of snakemake for it: --config budget=paper tasks=cartpole."""
     options = {"budget": configuration.budget.name}
-    if configuration.reading != SHOWN_READING:
+    if configuration.reading != DEFAULT_READING:
         options["reading"] = configuration.reading
     if tasks := chosen_tasks(configuration.budget):
         options["tasks"] = ",".join(tasks)

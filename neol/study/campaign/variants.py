@@ -15,7 +15,7 @@ from neol.base.errors import UserError, hint, one_line
 from neol.spec.configuration import CONFIG, Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
 from neol.spec.sources import Overlay
-from neol.spec.types import MethodName, Model, PopulationSize, PositiveInt, Several
+from neol.spec.types import MethodName, Model, PopulationSize, PositiveInt, Several, TaskName
 from neol.study.campaign.grid import home
 
 VARIANTS = CONFIG / "sensitivity" / "variants.yaml"
@@ -27,8 +27,9 @@ Content = TypeVar("Content")
 
 
 class Study(Model):
-    """Largest size of a variant's runs; a smaller budget uses its own size."""
+    """Tasks and largest size of a variant's runs; a smaller budget uses its own size."""
 
+    tasks: Several[TaskName]
     generations: PositiveInt
     population: PopulationSize
     seeds: PositiveInt
@@ -74,9 +75,10 @@ def _read(path: Path, kind: type[Content]) -> Content:
 
 
 def trials(configuration: Configuration, name: str) -> list[Trial]:
-    """Return a variant's trials in a budget, for each of its tasks and methods.
+    """Return a variant's trials in a budget, for each of its methods and the study's tasks.
 
-    There are none if the variant's constants are those of the budget's reading.
+    There are none if the variant's constants are those of the budget's reading, or if the budget
+    has none of these tasks.
     """
     budget, most = configuration.budget, study()
     known = variants()
@@ -110,10 +112,11 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
             record=folder(configuration, name) / f"{task}_{method}.parquet",
         )
         for task in budget.tasks
+        if task in most.tasks
         for method in variant.methods
     ]
 
 
 def folder(configuration: Configuration, name: str) -> Path:
-    """Return a variant's folder below the results folder: first/smoke/sensitivity/beta-0.001."""
+    """Return a variant's folder below the results folder: .../smoke/sensitivity/beta-0.001."""
     return home(configuration) / "sensitivity" / re.sub(r"[^\w.]+", "-", name)

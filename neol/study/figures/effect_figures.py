@@ -248,10 +248,10 @@ def draw_learning(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     return figure
 
 
-def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str) -> Figure:
+def draw_sensitivity(table: pd.DataFrame, budget: Budget, note: str) -> Figure:
     """Draw how often a variant's run beats the baseline's of the same seed, a column for each task.
 
-    A trial that lacks some of its `seeds`, or of its pairs with the baseline, states its number.
+    A trial that lacks some of its seeds, or of its pairs with the baseline, states its number.
     """
     looks = looks_of(table, budget)
     names = [name for name in dict.fromkeys(table["variant"]) if name != BASELINE]
@@ -259,8 +259,11 @@ def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str)
     with drawing():
         figure = Figure(figsize=(WIDTH, 0.27 * len(names) + 1.1))
         tasks = list(dict.fromkeys(table["task"]))
-        axes = figure.subplots(1, len(tasks), sharey=True, sharex=True, squeeze=False)[0]
-        for axis, task in zip(axes, tasks, strict=True):
+        columns = max(1, len(tasks))
+        axes = figure.subplots(1, columns, sharey=True, sharex=True, squeeze=False)[0]
+        if not tasks:
+            axes[0].set_axis_off()
+        for axis, task in zip(axes, tasks, strict=False):
             _from_0_to_1(axis, task_label(task))
             here = varied[varied["task"] == task]
             counts = here.groupby("variant")["method"].transform("size")
@@ -268,8 +271,8 @@ def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str)
                 offset = 0.2 * row["beside"] * (-1 if row["method"] == "neat" else 1)
                 place = offset - names.index(row["variant"])
                 _interval(axis, place, row, "a12", looks[row["method"]])
-                if row["pairs"] < seeds:
-                    there = f"{row['pairs']}/{seeds}"
+                if row["pairs"] < row["planned"]:
+                    there = f"{row['pairs']}/{row['planned']}"
                     axis.text(0, place, there, size=5.5, va="center", color=GREY, bbox=GROUND)
         axes[0].set_yticks([-position for position in range(len(names))], names)
         axes[0].set_ylim(-len(names) + 0.4, 0.6)
@@ -278,7 +281,7 @@ def draw_sensitivity(table: pd.DataFrame, budget: Budget, seeds: int, note: str)
         lines = [f"{note} Lines: 95% intervals (bootstrap)."]
         if (varied["low"] == varied["high"]).any():
             lines[0] += f" {NO_LINE}"
-        lacking = int((table["seeds"] < seeds).sum())
+        lacking = int((table["seeds"] < table["planned"]).sum())
         if lacking:
             lines.append(f"Seeds are missing: {lacking} of {len(table)} trials are incomplete.")
         failed = int(table["without_value"].sum())

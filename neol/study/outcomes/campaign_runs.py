@@ -29,7 +29,7 @@ class Source:
     """A record that was read."""
 
     path: str
-    """Path that begins with the results folder's name: results/first/smoke/cartpole/..."""
+    """Path that begins with the results folder's name: results/rare_mutation/smoke/cartpole/..."""
     sha256: str
     """SHA-256 of the file."""
     spec: str

@@ -22,9 +22,10 @@ def sensitivity(
     run shares its seed with one of the baseline, so `a12` is of these pairs: the share in which the
     variant's run ends higher, ties counting half, with the interval of a bootstrap over pairs. Runs
     that are the same give exactly 1/2. `difference` is the pairs' mean difference. A row for each
-    variant, task and method, with its `seeds`, those of them `without_value` (a champion that
-    failed in all fresh episodes), the `pairs` that remain, and how many of the runs are the `same`
-    as the baseline's in each number of each generation: there the constant acted on nothing.
+    variant, task and method, with its `seeds` and how many are `planned`, those `without_value` (a
+    champion that failed in all fresh episodes), the `pairs` that remain, and how many of the runs
+    are the `same` as the baseline's in each number of each generation: there the constant acted on
+    nothing.
     Missing runs give NaN.
     """
     random = np.random.default_rng(seed)
@@ -45,9 +46,9 @@ def sensitivity(
             )
             a12 = estimate(_mean, [(np.sign(pairs.to_numpy()) + 1) / 2], random)
             values = a12.value, a12.low, a12.high
-            counts = len(sample), int(sample.isna().sum()), len(pairs), same
+            counts = len(sample), len(trial.seeds), int(sample.isna().sum()), len(pairs), same
             rows.append((*place, *counts, sample.mean(), *values, pairs.mean()))
-    counts_of = ["seeds", "without_value", "pairs", "same"]
+    counts_of = ["seeds", "planned", "without_value", "pairs", "same"]
     effect = ["mean", "a12", "low", "high", "difference"]
     columns = ["variant", "task", "method", *counts_of, *effect]
     return pd.DataFrame(rows, columns=columns), tuple(sources)

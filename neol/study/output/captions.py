@@ -164,12 +164,15 @@ def _scientific(number: float) -> str:
 
 def describe_trials(configuration: Configuration) -> str:
     """Describe the runs of the sensitivity study in a sentence, for captions."""
-    first, *others = trials(configuration, BASELINE)
-    rate = max(trial.spec.plasticity.learning_rate for trial in (first, *others))
-    generations = {trial.task: str(trial.spec.generations) for trial in (first, *others)}
-    seeds = {trial.task: str(len(trial.seeds)) for trial in (first, *others)}
+    planned = trials(configuration, BASELINE)
+    if not planned:
+        return "The sensitivity study has none of the tasks that are shown."
+    rate = max(trial.spec.plasticity.learning_rate for trial in planned)
+    generations = by_task({trial.task: str(trial.spec.generations) for trial in planned})
+    population = by_task({trial.task: str(trial.spec.population) for trial in planned})
+    seeds = by_task({trial.task: str(len(trial.seeds)) for trial in planned})
     return (
-        f"Sensitivity runs of budget {configuration.budget.name}: G = {by_task(generations)} "
-        f"generations, population {first.spec.population}, learning rate {rate:g}, "
-        f"{by_task(seeds)} seeds that no table uses."
+        f"Sensitivity runs of budget {configuration.budget.name}: G = {generations} "
+        f"generations, population {population}, learning rate {rate:g}, "
+        f"{seeds} seeds that no table uses."
     )

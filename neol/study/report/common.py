@@ -12,8 +12,9 @@ import pandas as pd
 from neol.base.ending import exit_codes
 from neol.base.errors import UserError
 from neol.base.files import read_bounded
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS
-from neol.study.campaign.shown import SHOWN_READING, select
+from neol.study.campaign.shown import select
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.output.sidecar import Sidecar
 from neol.study.tables import agreement, paper_tables
@@ -29,7 +30,9 @@ def command_line(module: str, purpose: str | None, work: Callable[..., None], **
     """
     parser = argparse.ArgumentParser(prog=f"python -m {module}", description=purpose)
     parser.add_argument("budget")
-    parser.add_argument("--reading", default=SHOWN_READING, help="the reading of the budget's runs")
+    parser.add_argument(
+        "--reading", default=DEFAULT_READING, help="the reading of the budget's runs"
+    )
     parser.add_argument(
         "--tasks", default="", help="only these tasks of the budget: cartpole,hopper"
     )

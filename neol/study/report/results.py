@@ -1,6 +1,6 @@
 """The page docs/results.md: how a budget's runs answer the paper's questions.
 
-A budget other than the shown one has a page of its own, such as docs/results-paper-cartpole.md.
+A budget other than the shown one has a page of its own, such as docs/results-demo.md.
 `results.md.j2` is the text; `in_short`, `levels` and `words` have the generated sentences.
 """
 
@@ -13,6 +13,7 @@ import pandas as pd
 from neol.base.files import write_atomically
 from neol.pictures.labels import listed, task_label, three_figures, with_interval
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.cost import core_hours
 from neol.study.campaign.shown import chosen_tasks, snakemake_options
 from neol.study.claims.ledger import WHOLE
@@ -90,7 +91,12 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
 
 
 def _title(configuration: Configuration) -> str:
-    """Return the page's title, which names the budget: pages of two budgets have two titles."""
+    """Return the page's title: no two budgets or readings have the same."""
+    reading = configuration.reading
+    return _of_budget(configuration) + (f", reading `{reading}`" * (reading != DEFAULT_READING))
+
+
+def _of_budget(configuration: Configuration) -> str:
     budget = configuration.budget
     name = describe_name(budget)
     if is_papers(configuration):

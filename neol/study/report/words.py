@@ -94,7 +94,7 @@ def sensitive_constants(table: pd.DataFrame) -> list[str]:
     """Say for each task which changed constants are distinguishable from the baseline, and how."""
     varied = table[(table["variant"] != BASELINE) & (table["pairs"] > 0)]
     if varied.empty:
-        return ["No run of the sensitivity study exists yet."]
+        return ["No run of the sensitivity study is here."]
     idle = varied["same"] == varied["seeds"]
     tried = varied[~idle]
     differ = tried[(tried["low"] > 0.5) | (tried["high"] < 0.5)]

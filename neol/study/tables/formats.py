@@ -41,9 +41,13 @@ def lines_of(
 
 
 def _size(budget: Budget, task: str) -> str:
-    """Return a task's generations and seeds, as far as they differ between the budget's tasks."""
+    """Return a task's generations, populations and seeds, as far as the budget's tasks differ."""
     sizes = {
-        each: (f"G = {budget.generations_of(each)}", f"{len(budget.seeds_of(each))} seeds")
+        each: (
+            f"G = {budget.generations_of(each)}",
+            f"P = {', '.join(map(str, budget.populations_of(each)))}",
+            f"{len(budget.seeds_of(each))} seeds",
+        )
         for each in budget.tasks
     }
     kinds = [set(kind) for kind in zip(*sizes.values(), strict=True)]

@@ -30,7 +30,10 @@ class OwnSummary(Summary):
     """A summary of our runs, from records."""
 
     chosen: str = ""
-    """ "Table 3" or "Table 4" for the paper's own cell, "grid" for the best of the grid."""
+    """ "Table 3" or "Table 4" for the paper's cell, "grid" for the best of the grid.
+
+    A budget without the paper's population has its own largest there.
+    """
     seeds: int = 0
     """Number of seeds."""
     incomplete: str = ""

@@ -71,7 +71,7 @@ class Manifest(Model):
 
     @property
     def campaign(self) -> str | None:
-        """Campaign such as first/demo; None if the records have no budget."""
+        """Campaign such as rare_mutation/demo; None if the records have no budget."""
         return None if self.budget is None else campaign_name(self.reading, self.budget)
 
     def covers(self, job: Job) -> bool:

@@ -39,7 +39,7 @@ class Campaigns:
         return [name for name, job in self.jobs(campaign).items() if job.part != SENSITIVITY]
 
     def of_place(self, path: Path) -> str | None:
-        """Return the campaign of the folder that a path lies in, such as results/first/demo."""
+        """Return the campaign that a path's folder names, such as rare_mutation/demo."""
         parts = path.parts
         for place in reversed(range(len(parts) - 3)):
             if parts[place] == RESULTS.name and parts[place + 2] in self._budgets:

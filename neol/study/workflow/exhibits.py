@@ -145,6 +145,8 @@ EXHIBITS = (
         "champion's held-out return."),
 )
 # fmt: on
+HEAT_MAPS = frozenset(each.name for each in EXHIBITS if each.task)
+"""Exhibits that need the whole grid."""
 
 
 def exhibits(budget: Budget, *targets: Target) -> list[Exhibit]:

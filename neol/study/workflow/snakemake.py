@@ -3,15 +3,16 @@
 import fcntl
 import platform
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import IO
 
 from neol.base.errors import UserError
-from neol.spec.configuration import Configuration
+from neol.spec.configuration import PAPER_BUDGET, Configuration
+from neol.spec.constants import Budget
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.shown import figures_folder
-from neol.study.workflow.exhibits import exhibits
+from neol.study.workflow.exhibits import HEAT_MAPS, exhibits
 
 
 def pattern(records: Iterable[Path]) -> str:
@@ -46,12 +47,20 @@ def refuse_unknown_exhibits(arguments: Iterable[str], configuration: Configurati
         if not re.fullmatch(r"(\S+/)?(table|figure)\d+(\.\w+)?", argument) or argument in files:
             continue
         name = Path(argument).stem
-        meant = f"{folder}/{name}.{suffixes[name][0]}" if name in suffixes else ""
         raise UserError(
             f"{argument}: budget {configuration.budget.name} makes no such file"
-            f"{f', did you mean {meant}?' if meant else ''} (in {folder}/: {', '.join(suffixes)}; "
-            "--config budget=NAME for another budget)"
+            f"{_why(name, folder, suffixes, configuration.budget)} (in {folder}/: "
+            f"{', '.join(suffixes)}; --config budget=NAME for another budget)"
         )
+
+
+def _why(name: str, folder: Path, made: Mapping[str, Sequence[str]], budget: Budget) -> str:
+    """Return what may be meant instead of a missing table or figure, or why it is not made."""
+    if name in made:
+        return f", did you mean {folder}/{name}.{made[name][0]}?"
+    if budget.configurations != "grid" and name in HEAT_MAPS:
+        return f": {name} needs the whole grid, as budget {PAPER_BUDGET} has it"
+    return ""
 
 
 def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:

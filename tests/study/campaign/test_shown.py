@@ -9,7 +9,6 @@ from neol.spec.configuration import load_configuration
 from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.shown import (
     DEFAULT_BUDGET,
-    SHOWN_READING,
     chosen_tasks,
     differs_from_default,
     figures_folder,
@@ -23,7 +22,7 @@ from neol.study.campaign.shown import (
 
 
 def test_all_tasks_are_the_whole_budget() -> None:
-    whole = load_configuration("demo", reading=SHOWN_READING)
+    whole = load_configuration("demo", reading=DEFAULT_READING)
     assert select("demo") == select("demo", "lunar_lander,cartpole") == whole
     assert chosen_tasks(whole.budget) == ()
     assert label(whole) == "demo"
@@ -34,7 +33,7 @@ def test_tasks_come_once_and_in_the_order_of_the_budget() -> None:
     some = select("paper", "hopper,cartpole,hopper")
     assert chosen_tasks(some.budget) == some.budget.tasks == ("cartpole", "hopper")
     assert label(some) == "paper-cartpole,hopper"
-    assert full_label(some) == f"{SHOWN_READING}/paper-cartpole,hopper"
+    assert full_label(some) == f"{DEFAULT_READING}/paper-cartpole,hopper"
     assert figures_folder(some) == Path("figures/paper-cartpole,hopper")
     assert results_page(some) == Path("docs/results-paper-cartpole,hopper.md")
     assert snakemake_options(some) == "--config budget=paper tasks=cartpole,hopper"
@@ -71,7 +70,7 @@ def test_only_tasks_differ() -> None:
 
 def test_the_shown_budget_has_the_folder_itself() -> None:
     shown = select()
-    assert (shown.budget.name, shown.reading) == (DEFAULT_BUDGET, SHOWN_READING)
+    assert (shown.budget.name, shown.reading) == (DEFAULT_BUDGET, DEFAULT_READING)
     assert figures_folder(shown) == Path("figures")
     assert results_page(shown) == Path("docs/results.md")
     some = select(tasks="cartpole")

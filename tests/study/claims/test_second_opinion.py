@@ -9,6 +9,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from neol.spec.configuration import ROOT
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.shown import select
 from neol.study.claims.answers import answers
 from neol.study.claims.calibration import MadeUp, made_up_studies
@@ -81,11 +82,14 @@ def agree(ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("budget", "tasks"), [("desk", ""), ("demo", ""), ("paper", "cartpole")])
-def test_shipped_records_give_the_same_verdicts(budget: str, tasks: str) -> None:
-    configuration = select(budget, tasks, "first")
+@pytest.mark.parametrize(
+    ("reading", "budget", "tasks"),
+    [("first", "desk", ""), (DEFAULT_READING, "demo", ""), ("first", "paper", "cartpole")],
+)
+def test_shipped_records_give_the_same_verdicts(reading: str, budget: str, tasks: str) -> None:
+    configuration = select(budget, tasks, reading)
     ours = as_table(answers(load_questions(), gather(Campaign(configuration, ROOT / "results"))))
-    folder = ROOT / "results" / "first" / budget
+    folder = ROOT / "results" / reading / budget
     agree(ours, opinions(Records(folder, list(configuration.budget.tasks))))
 
 

@@ -16,14 +16,14 @@ PLAY = """
 def titles(panel):
     return [axis.get_title() for axis in panel.picture.axes]
 
-run.record.value = "first/demo/cartpole/neat/p050/seeds_000-004.parquet"
+run.record.value = "rare_mutation/demo/cartpole/neat/p050/seeds_000-004.parquet"
 assert network.picture.get_suptitle().startswith("CartPole, NEAT, seed 0"), network.picture
 assert "does not learn" in learned.picture.data
 assert played.picture.trace.episode_return == load_player(*run.value).recorded_returns[0]
 run.seed.value = 2
 assert "seed 2" in network.picture.get_suptitle()
 
-run.record.value = "first/demo/cartpole/oja/p050_lr0.25/seeds_000-004.parquet"
+run.record.value = "rare_mutation/demo/cartpole/oja/p050_lr0.25/seeds_000-004.parquet"
 before = played.picture
 played.controls["plastic"].value = False
 assert (played.picture.trace.weights == played.picture.trace.weights[0]).all()
@@ -37,8 +37,8 @@ task.value = "cartpole"
 curves.controls["column"].value = "species"
 assert curves.picture.axes[0].get_ylabel() == "Species"
 assert answer.picture.axes[0].get_title() == "CartPole, budget first/desk"
-answer.controls["budget"].value = "first/demo"
-assert answer.picture.axes[0].get_title() == "CartPole, budget first/demo"
+answer.controls["budget"].value = "rare_mutation/demo"
+assert answer.picture.axes[0].get_title() == "CartPole, budget rare_mutation/demo"
 
 changed = {"task": "cartpole", "method": "bcm", "population": 10, "generations": 5}
 for name, value in changed.items():

@@ -23,7 +23,7 @@ from tests.helpers.made_up import configuration, write_campaign
 from tests.helpers.runs import run_spec
 from tests.study.explore.test_runs import BEST
 
-SETTING = ("first/smoke", 6, 0.25)
+SETTING = ("rare_mutation/smoke", 6, 0.25)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,9 @@ def test_curves_against_cost(results: Path, runs: pd.DataFrame) -> None:
 
 
 def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFrame) -> None:
-    with pytest.raises(UserError, match="budget first/smoke has no runs of hopper with P = 6"):
+    with pytest.raises(
+        UserError, match="budget rare_mutation/smoke has no runs of hopper with P = 6"
+    ):
         draw_learning_curves(
             results, runs, task="hopper", setting=SETTING, column="species", against="evaluations"
         )
@@ -75,7 +77,7 @@ def test_curves_of_what_there_is_not_are_refused(results: Path, runs: pd.DataFra
 
 def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
     again = pd.concat([runs, runs.assign(budget="demo")])
-    shown = {"budget": "first/smoke", "outcome": "held_out"}
+    shown = {"budget": "rare_mutation/smoke", "outcome": "held_out"}
     axis = draw_outcomes(again, task="cartpole", by="learning_rate", **shown).axes[0]
     here = runs[runs["learning_rate"] == 0.25]["held_out"]
     drawn = [line.get_ydata() for line in axis.get_lines()]
@@ -86,7 +88,7 @@ def test_outcomes_show_every_run_and_the_mean(runs: pd.DataFrame) -> None:
         "0.25\n18 runs",
     ]
     with pytest.raises(
-        UserError, match="first/smoke has no run of hopper with method and held_out"
+        UserError, match="rare_mutation/smoke has no run of hopper with method and held_out"
     ):
         draw_outcomes(runs, task="hopper", by="method", **shown)
 

@@ -13,7 +13,7 @@ from neol.study.explore.panel import RunChoice, episode_seed, load_player
 from tests.helpers.made_up import configuration, run, write_campaign, write_runs
 
 CONFIGURATION = configuration()
-HEBB = "first/smoke/cartpole/hebb/p006_lr0.25/seeds_000-002.parquet"
+HEBB = "rare_mutation/smoke/cartpole/hebb/p006_lr0.25/seeds_000-002.parquet"
 BEST = {
     Cell("cartpole", "hebb", 6, 0.25): (1.0, 2.0, 3.0),
     Cell("cartpole", "neat", 6, None): (4.0, None, 5.0),
@@ -25,7 +25,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign, an unfinished block and a variant of the sensitivity study."""
     results = tmp_path_factory.mktemp("explore") / "results"
     write_campaign(results, CONFIGURATION, BEST)
-    partial = results / "first/smoke/cartpole/bcm/p006_lr0.25/seeds_000-002.parquet.partial"
+    partial = results / "rare_mutation/smoke/cartpole/bcm/p006_lr0.25/seeds_000-002.parquet.partial"
     partial.mkdir()
     (partial / "seed_000000.parquet").touch()
     trial = trials(CONFIGURATION, "baseline")[0]
@@ -60,7 +60,7 @@ def test_a_choice_changes_once_with_record_and_seed(results: Path) -> None:
     assert choice.value == (results / HEBB, 2)
     seen: list[traitlets.Bunch] = []
     choice.observe(seen.append, "value")
-    neat = "first/smoke/cartpole/neat/p006/seeds_000-002.parquet"
+    neat = "rare_mutation/smoke/cartpole/neat/p006/seeds_000-002.parquet"
     choice.record.value = neat
     choice.seed.value = 2
     assert [change.new for change in seen] == [(results / neat, 0), (results / neat, 2)]
@@ -73,7 +73,9 @@ def test_a_choice_begins_somewhere_if_its_record_is_not_there(results: Path) -> 
 
 
 def test_an_episode_beyond_the_last_is_refused() -> None:
-    player = load_player(RESULTS / "first/demo/cartpole/hebb/p050_lr0.25/seeds_000-004.parquet", 0)
+    player = load_player(
+        RESULTS / "rare_mutation/demo/cartpole/hebb/p050_lr0.25/seeds_000-004.parquet", 0
+    )
     count = len(player.held_out_seeds)
     assert episode_seed(player, 0) == player.held_out_seeds[0]
     with pytest.raises(UserError, match=f"episode {count}: the record has 0 to {count - 1}"):

@@ -17,26 +17,29 @@ def footer(figure: Figure) -> str:
 
 def test_trials_that_lack_seeds_say_how_many_they_have() -> None:
     rows = [
-        ("baseline", "hopper", "bcm", 3, 0, 3, 0.5, 0.5, 0.5),
-        ("ReLU", "hopper", "bcm", 3, 0, 3, 0.7, 0.4, 0.9),
-        ("sigmoid", "hopper", "bcm", 2, 0, 2, 0.7, 0.4, 0.9),
-        ("beta 0.1", "hopper", "bcm", 3, 2, 1, 0.7, 0.4, 0.9),
-        ("beta 1", "hopper", "bcm", 0, 0, 0, math.nan, math.nan, math.nan),
+        ("baseline", "hopper", "bcm", 3, 3, 0, 3, 0.5, 0.5, 0.5),
+        ("ReLU", "hopper", "bcm", 3, 3, 0, 3, 0.7, 0.4, 0.9),
+        ("sigmoid", "hopper", "bcm", 2, 3, 0, 2, 0.7, 0.4, 0.9),
+        ("beta 0.1", "hopper", "bcm", 3, 3, 2, 1, 0.7, 0.4, 0.9),
+        ("beta 1", "hopper", "bcm", 0, 3, 0, 0, math.nan, math.nan, math.nan),
     ]
-    counts = ["seeds", "without_value", "pairs"]
+    counts = ["seeds", "planned", "without_value", "pairs"]
     columns = ["variant", "task", "method", *counts, "a12", "low", "high"]
     table = pd.DataFrame(rows, columns=columns)
-    figure = effect_figures.draw_sensitivity(table, BUDGET, seeds=3, note="Made up.")
+    figure = effect_figures.draw_sensitivity(table, BUDGET, note="Made up.")
     assert [text.get_text() for text in figure.axes[0].texts] == ["2/3", "1/3", "0/3"]
     assert "Seeds are missing: 2 of 5 trials are incomplete." in footer(figure)
     assert "Left out: 2 runs whose champion failed in all fresh episodes." in footer(figure)
-    whole = effect_figures.draw_sensitivity(table[:2], BUDGET, seeds=3, note="Made up.")
+    whole = effect_figures.draw_sensitivity(table[:2], BUDGET, note="Made up.")
     assert "missing" not in footer(whole)
     assert "Left out" not in footer(whole)
     assert "A mark without a line" not in footer(whole)
     certain = table[:2].assign(a12=1.0, low=1.0, high=1.0)
-    figure = effect_figures.draw_sensitivity(certain, BUDGET, seeds=3, note="Made up.")
+    figure = effect_figures.draw_sensitivity(certain, BUDGET, note="Made up.")
     assert "A mark without a line" in footer(figure)
+    empty = effect_figures.draw_sensitivity(table[:0], BUDGET, note="No such task.")
+    assert not empty.axes[0].axison
+    assert "No such task." in footer(empty)
 
 
 def test_a_profile_is_drawn_as_the_steps_that_it_is() -> None:

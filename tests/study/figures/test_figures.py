@@ -13,6 +13,7 @@ from scipy import stats
 
 from neol.pictures.style import STYLES, save
 from neol.spec.configuration import ROOT
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.shown import select
 from neol.study.figures.paper_figures import figure2, figure3, heatmap, heatmaps_of
@@ -198,7 +199,7 @@ def test_numbers_of_a_convergence_are_written_in_full(tmp_path: Path) -> None:
     figure2(campaign).write(tmp_path)
     table = pd.read_csv(tmp_path / "figure2.csv")
     neat = table[(table["task"] == "lunar_lander") & (table["method"] == "neat")]
-    folder = ROOT / RESULTS / "first" / "demo" / "lunar_lander" / "neat" / "p050"
+    folder = ROOT / RESULTS / DEFAULT_READING / "demo" / "lunar_lander" / "neat" / "p050"
     rows = pd.concat(map(pd.read_parquet, folder.glob("*.parquet")))
     by_generation = rows.groupby("generation")["best_fitness"]
     lines = neat[neat["shown"] == "line"].set_index("generation")
@@ -212,7 +213,7 @@ def test_numbers_of_a_convergence_are_written_in_full(tmp_path: Path) -> None:
 
 def test_numbers_of_a_heatmap_are_written_in_full(tmp_path: Path) -> None:
     """Means, standard errors and the set near the best, in plain pandas and SciPy."""
-    campaign = Campaign(select("desk", "lunar_lander"), ROOT / RESULTS)
+    campaign = Campaign(select("desk", "lunar_lander", "first"), ROOT / RESULTS)
     heatmap(5, campaign).write(tmp_path)
     table = pd.read_csv(tmp_path / "figure5.csv")
     assert len(table) == 3 * 16 + 4

@@ -9,6 +9,7 @@ from scipy import stats
 from neol.base.errors import UserError
 from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import cells
 from neol.study.figures.side_by_side import (
     differing_constants,
@@ -32,7 +33,9 @@ def written(tmp_path: Path, generations: int) -> list[Path]:
         for method in FINAL
     }
     write_campaign(tmp_path, smoke, {chosen[method]: FINAL[method] for method in FINAL})
-    return [next((tmp_path / "first" / "smoke").rglob(f"{method}/p006*")) for method in FINAL]
+    return [
+        next((tmp_path / DEFAULT_READING / "smoke").rglob(f"{method}/p006*")) for method in FINAL
+    ]
 
 
 @pytest.fixture
@@ -99,7 +102,7 @@ def test_labels_that_coincide_name_the_constants_that_differ(
     louder = one_run(tmp_path / "louder.parquet", paths[0], reward_scale=0.5)
     (axes,) = learning_curves(read_compared([*paths, louder])).axes
     bcm, neat, bcm_louder = (str(line.get_label()).splitlines() for line in axes.lines)
-    assert bcm[1:] == ["plasticity.reward_scale = 0.01"]
+    assert bcm[1:] == ["plasticity.reward_scale = 1.0"]
     assert neat[1:] == []
     assert bcm_louder[1:] == ["plasticity.reward_scale = 0.5"]
 

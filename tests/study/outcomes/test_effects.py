@@ -10,6 +10,7 @@ from scipy import stats
 
 from neol.pictures.style import save
 from neol.spec.configuration import ROOT
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS, Cell, cells
 from neol.study.campaign.shown import select
 from neol.study.figures import effect_figures
@@ -89,7 +90,7 @@ def test_effects_of_shipped_records_a_second_time() -> None:
     constants = select("demo")
     outcomes = gather(Campaign(constants, ROOT / RESULTS))
     table = effects.effect_sizes(outcomes, constants.budget)
-    folder = ROOT / RESULTS / "first" / "demo"
+    folder = ROOT / RESULTS / DEFAULT_READING / "demo"
 
     def final(task: str, method: str) -> pd.Series:
         means = {}

@@ -25,10 +25,10 @@ def test_a_table_is_traced_to_its_runs(table: Path) -> None:
     lines = list(trace(table, table.parent.parent))
     assert lines[:3] == ["table3.tex", "table3.csv", "table3.md"]
     assert lines[3].endswith("figures/table3.tex --config budget=smoke tasks=cartpole")
-    assert lines[5].startswith("reading  first (plasticity.reward_scale=0.01, ")
+    assert lines[5].startswith("reading  rare_mutation (evaluation.held_out")
     assert "records  14, of 42 runs" in lines
     assert sum(line.startswith("  seed ") for line in lines) == 42
-    assert "results/first/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines
+    assert "results/rare_mutation/smoke/cartpole/neat/p006/seeds_000-002.parquet" in lines
 
 
 def test_what_has_become_of_an_output_is_said(table: Path) -> None:
@@ -40,7 +40,7 @@ def test_what_has_become_of_an_output_is_said(table: Path) -> None:
 
 
 def test_what_has_become_of_a_record_is_said(table: Path) -> None:
-    folder = table.parent.parent / "results/first/smoke/cartpole/neat"
+    folder = table.parent.parent / "results/rare_mutation/smoke/cartpole/neat"
     (folder / "p006/seeds_000-002.parquet").write_bytes(b"other")
     (folder / "p012/seeds_000-002.parquet").unlink()
     lines = trace(table, table.parent.parent)

@@ -96,7 +96,7 @@ def test_constants_that_matter_are_named() -> None:
         "neat.sharing=literal.",
     ]
     nothing = pd.DataFrame(rows[5:], columns=columns)
-    assert words.sensitive_constants(nothing) == ["No run of the sensitivity study exists yet."]
+    assert words.sensitive_constants(nothing) == ["No run of the sensitivity study is here."]
 
 
 def test_the_best_cells_of_a_heat_map_are_named() -> None:

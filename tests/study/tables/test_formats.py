@@ -45,3 +45,5 @@ def test_a_line_says_the_size_of_its_runs_where_tasks_differ() -> None:
     assert labels(longer) == ["CartPole (G = 5)", "Hopper (G = 2)"]
     more = "budget.seeds={cartpole: 4, hopper: 3}"
     assert labels(longer, more) == ["CartPole (G = 5, 4 seeds)", "Hopper (G = 2, 3 seeds)"]
+    fewer = "budget.populations={cartpole: [6, 12], hopper: [6]}"
+    assert labels(fewer) == ["CartPole (P = 6, 12)", "Hopper (P = 6)"]

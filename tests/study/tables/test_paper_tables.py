@@ -19,7 +19,7 @@ from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.score import PAPER_GENERATIONS, PAPER_POPULATION, PAPER_SAMPLES
 from neol.study.outcomes.statistics import ALPHA
-from neol.study.output.captions import describe_budget, lacking
+from neol.study.output.captions import describe_budget, describe_reading, lacking
 from neol.study.tables.paper_tables import (
     CHOSEN_OF_FOUR,
     lead_over_neat,
@@ -164,10 +164,12 @@ def test_the_caption_says_the_budget(campaign: Campaign) -> None:
         "Budget smoke, CartPole only: G = 2 generations, 3 seeds, N = 1 episode per evaluation"
         in caption
     )
-    assert (
-        "Reduced budget: not the paper's. Reading first: plasticity.reward_scale = 0.01" in caption
+    assert caption.endswith(
+        "Reduced budget: not the paper's. Reading rare_mutation: evaluation.held_out_episodes = 1 "
+        "instead of 5."
     )
-    assert caption.endswith("neat.crossover_enabled = redraw_if_disabled instead of random_parent.")
+    of_first = describe_reading(select("smoke", "cartpole", "first"))
+    assert of_first.startswith("Reading first: plasticity.reward_scale = 0.01 instead of 1.0, ")
 
 
 def test_only_the_papers_budget_is_the_papers() -> None:
@@ -196,7 +198,7 @@ def test_tasks_of_different_size_are_told_apart() -> None:
 
 
 def test_a_part_of_the_papers_budget_says_which() -> None:
-    caption = describe_budget(select("first_look", reading="worked_example"))
+    caption = describe_budget(select("evidence", "lunar_lander", "worked_example"))
     assert "budget: 10 of 30 seeds, P = 300, the configurations of Tables 3 and 4. Rea" in caption
     assert "Reduced" not in caption
 

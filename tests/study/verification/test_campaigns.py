@@ -1,14 +1,16 @@
 """What the budgets of config/ have in their folders."""
 
 from neol.spec.configuration import ROOT
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.jobs import SENSITIVITY
 from neol.study.verification.check import Verification
 from neol.study.verification.manifest import records_of
 
 
 def test_a_folder_is_not_asked_for_records_that_another_budget_keeps() -> None:
-    own = records_of("rare_mutation/first_look").values()
-    assert {job.part for job in own} == {SENSITIVITY}
+    own = records_of(f"{DEFAULT_READING}/evidence").values()
+    of_cells = {job.spec.task.name for job in own if job.part != SENSITIVITY}
+    assert of_cells == {"hopper", "bipedal_walker"}
 
 
 def test_of_many_campaigns_the_complete_ones_are_counted() -> None:

@@ -4,18 +4,19 @@ from pathlib import Path
 
 import pytest
 
+from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.jobs import Job
 from neol.study.workflow import outlook
 from neol.study.workflow.status import Folder
 from tests.helpers import made_up
 
-CONFIGURATION = made_up.configuration(tasks=("cartpole", "hopper"), reading="first")
+CONFIGURATION = made_up.configuration(tasks=("cartpole", "hopper"))
 """Three seeds a job; two generations; P = 6 and 12; Hebb, Oja and BCM with two rates each."""
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Folder:
-    return Folder(tmp_path / "results" / "first" / "smoke", CONFIGURATION)
+    return Folder(tmp_path / "results" / DEFAULT_READING / "smoke", CONFIGURATION)
 
 
 def job(folder: Folder, task: str = "cartpole", part: str = "hebb", place: int = 0) -> Job:

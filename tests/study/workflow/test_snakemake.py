@@ -12,7 +12,7 @@ from neol.run.record_file import write_record
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.jobs import Job, jobs
-from neol.study.campaign.shown import select
+from neol.study.campaign.shown import DEFAULT_BUDGET, select
 from neol.study.workflow.snakemake import clear_stale_locks, pattern, refuse_unknown_exhibits
 from tests.helpers.command import specification
 from tests.helpers.made_up import run
@@ -59,7 +59,7 @@ def test_a_pattern_matches_its_records_only() -> None:
 
 
 HOLD = """
-from neol.study.campaign.shown import select
+from neol.study.campaign.shown import DEFAULT_BUDGET, select
 from neol.study.workflow.snakemake import clear_stale_locks
 alive = clear_stale_locks()
 print(flush=True)
@@ -108,17 +108,18 @@ def test_locks_of_another_machine_are_left(tmp_path: Path) -> None:
         ("table1.pdf", "makes no such file, did you mean figures/table1.tex? (in "),
         ("figure2", "makes no such file, did you mean figures/figure2.pdf? (in "),
         ("figures/demo/table1.tex", "did you mean figures/table1.tex?"),
+        ("figures/figure5.pdf", "file: figure5 needs the whole grid, as budget paper has it (in "),
     ],
 )
 def test_what_no_rule_makes_is_said_with_what_there_is(argument: str, said: str) -> None:
     line = refusal(refuse_unknown_exhibits, ["--dry-run", argument], select())
-    assert line.startswith(f"{argument}: budget desk makes no such file")
+    assert line.startswith(f"{argument}: budget {DEFAULT_BUDGET} makes no such file")
     assert said in line
 
 
 def test_what_is_made_is_not_refused() -> None:
     targets = ["tables", "figures/table1.tex", "figures/figure2.png", "figures/report.html", "all"]
-    refuse_unknown_exhibits([*targets, "--config", "budget=desk"], select())
+    refuse_unknown_exhibits([*targets, "--config", f"budget={DEFAULT_BUDGET}"], select())
 
 
 def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:

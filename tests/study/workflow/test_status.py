@@ -114,7 +114,7 @@ def test_a_log_that_ends_in_an_error(folder: Folder, text: str, reason: str) -> 
 
 def test_each_trial_has_a_log_of_its_own(folder: Folder) -> None:
     first = job(folder, part="sensitivity")
-    trial = f"first/smoke/sensitivity/baseline/cartpole_{first.spec.method}"
+    trial = f"rare_mutation/smoke/sensitivity/baseline/cartpole_{first.spec.method}"
     assert str(first.record).endswith(f"/results/{trial}.parquet")
     assert str(first.log).endswith(f"/logs/{trial}.log")
     log(first, "neol: no\n")
