@@ -127,17 +127,15 @@ def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str
 
 
 def _configurations(budget: Budget, table: int) -> list[Cell]:
-    """Return the cells of the paper's Table 3 or 4.
+    """Return the cells of the paper's Table 3 or 4, for the budget's tasks.
 
     In a budget of these cells alone, a population that it does not have becomes its largest.
     """
 
     def population(row: dict[str, str]) -> int:
-        named = int(row["population"])
-        if budget.configurations == "grid" or row["task"] not in budget.tasks:
-            return named
-        available = budget.populations_of(row["task"])
-        return named if named in available else max(available)
+        named, available = int(row["population"]), budget.populations_of(row["task"])
+        is_kept = budget.configurations == "grid" or named in available
+        return named if is_kept else max(available)
 
     with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:
         return [
@@ -148,7 +146,7 @@ def _configurations(budget: Budget, table: int) -> list[Cell]:
                 float(row["learning_rate"]) if row["learning_rate"] else None,
             )
             for row in csv.DictReader(file)
-            if int(row["table"]) == table
+            if int(row["table"]) == table and row["task"] in budget.tasks
         ]
 
 
