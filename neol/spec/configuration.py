@@ -173,7 +173,7 @@ def load_configuration(
             raise UserError(
                 f'{source}: budget.tasks: unknown task "{task}"{hint(task, configuration.tasks)}'
             )
-        for name in ("generations", "seeds", "populations", "seeds_per_job"):
+        for name in ("generations", "seeds", "populations", "seeds_per_job", "configurations"):
             values = getattr(configuration.budget, name)
             if isinstance(values, dict) and task not in values:
                 source = overlay.source(("budget", name))

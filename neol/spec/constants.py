@@ -16,6 +16,8 @@ from neol.spec.types import (
     Name,
     NonNegativeFloat,
     NonNegativeInt,
+    PartOfGrid,
+    PartsOfGrids,
     Populations,
     PositiveFloat,
     PositiveInt,
@@ -208,10 +210,11 @@ class Budget(Model):
     methods: Several[MethodName]
     seeds_per_job: ForEachTask
     """Runs of a cell in one job of the workflow: one number, or one for each task."""
-    configurations: Literal["grid", "tables", "table4"] = "grid"
+    configurations: PartsOfGrids = "grid"
     """Cells of the grid that are run: all, those of the paper's Tables 3 and 4, or of Table 4.
 
-    Where a table names a population that the budget does not have, its largest is taken.
+    One of these, or one for each task. Where a table names a population that the budget does not
+    have, its largest is taken.
     """
     records_of: dict[TaskName, Name] = Field(default_factory=dict)
     """Tasks whose runs are part of another budget's, which keeps their records."""
@@ -225,6 +228,10 @@ class Budget(Model):
     def populations_of(self, task: str) -> tuple[int, ...]:
         """Return the population sizes P of a task's cells."""
         return _of_task(self.populations, task)
+
+    def configurations_of(self, task: str) -> PartOfGrid:
+        """Return which cells of a task's grid are run: grid, tables or table4."""
+        return _of_task(self.configurations, task)
 
     def generations_of(self, task: str) -> int:
         """Return the generations G of a task's runs."""

@@ -156,3 +156,8 @@ ForEachTask = Annotated[
     PositiveInt | dict[Text, PositiveInt],
     _in_words("must be an integer from 1 to 2^53, or such an integer for each task"),
 ]
+PartOfGrid = Literal["grid", "tables", "table4"]
+PartsOfGrids = Annotated[
+    PartOfGrid | dict[Text, PartOfGrid],
+    _in_words("must be 'grid', 'tables' or 'table4', or one of these for each task"),
+]

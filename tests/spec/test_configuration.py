@@ -120,6 +120,8 @@ def test_an_unknown_budget(budget):
         ("budget.generations=0", "budget.generations = 0: must be an integer from 1 to 2^53"),
         ("budget.generations=9007199254740993", "budget.generations = 9007199254740993: must be"),
         ("budget.generations={hopper: 3}", "budget.generations: no value for cartpole"),
+        ("budget.configurations={hopper: grid}", "budget.configurations: no value for cartpole"),
+        ("budget.configurations=some", "budget.configurations = 'some': must be 'grid', 'tables'"),
     ],
 )
 def test_an_override_that_is_not_allowed(override, expected):

@@ -61,22 +61,7 @@ def home(configuration: Configuration) -> Path:
 
 def cells(configuration: Configuration) -> list[Cell]:
     """Return the budget's grid in the order of its file: tasks, methods, populations, rates."""
-    budget = configuration.budget
-    grid = [
-        Cell(task, method, population, learning_rate)
-        for task in budget.tasks
-        for method in budget.methods
-        for population in budget.populations_of(task)
-        for learning_rate in (
-            budget.learning_rates if configuration.methods[method].learns else [None]
-        )
-    ]
-    if budget.configurations == "grid":
-        return grid
-    named = _configurations(budget, 4)
-    if budget.configurations == "tables":
-        named += _configurations(budget, 3)
-    return [cell for cell in grid if replace(cell, method=without_mutation(cell.method)) in named]
+    return [cell for task in configuration.budget.tasks for cell in _cells(configuration, task)]
 
 
 def blocks(configuration: Configuration) -> list[Block]:
@@ -126,15 +111,34 @@ def paper_cells(configuration: Configuration, table: int) -> dict[tuple[str, str
     return {(cell.task, cell.method): cell for cell in named if cell in available}
 
 
+def _cells(configuration: Configuration, task: str) -> list[Cell]:
+    budget = configuration.budget
+    grid = [
+        Cell(task, method, population, learning_rate)
+        for method in budget.methods
+        for population in budget.populations_of(task)
+        for learning_rate in (
+            budget.learning_rates if configuration.methods[method].learns else [None]
+        )
+    ]
+    part = budget.configurations_of(task)
+    if part == "grid":
+        return grid
+    named = _configurations(budget, 4)
+    if part == "tables":
+        named += _configurations(budget, 3)
+    return [cell for cell in grid if replace(cell, method=without_mutation(cell.method)) in named]
+
+
 def _configurations(budget: Budget, table: int) -> list[Cell]:
     """Return the cells of the paper's Table 3 or 4, for the budget's tasks.
 
-    In a budget of these cells alone, a population that it does not have becomes its largest.
+    Where a task has these cells alone, a population that it does not have becomes its largest.
     """
 
     def population(row: dict[str, str]) -> int:
         named, available = int(row["population"]), budget.populations_of(row["task"])
-        is_kept = budget.configurations == "grid" or named in available
+        is_kept = budget.configurations_of(row["task"]) == "grid" or named in available
         return named if is_kept else max(available)
 
     with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:

@@ -56,8 +56,8 @@ def describe_part(budget: Budget, task: str) -> str:
         parts.append(f"{len(seeds)} of {len(all_seeds)} seeds")
     if (populations := budget.populations_of(task)) != papers.populations_of(task):
         parts.append(f"P = {', '.join(map(str, populations))}")
-    if budget.configurations != "grid":
-        tables = {"tables": "Tables 3 and 4", "table4": "Table 4"}[budget.configurations]
+    if (part := budget.configurations_of(task)) != "grid":
+        tables = {"tables": "Tables 3 and 4", "table4": "Table 4"}[part]
         parts.append(f"the configurations of {tables}")
     elif (rates := budget.learning_rates) != papers.learning_rates:
         parts.append(f"learning rates {', '.join(f'{rate:g}' for rate in rates)}")

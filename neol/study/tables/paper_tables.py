@@ -38,8 +38,8 @@ _RANKED = (
 )
 _ABLATION = " NEAT (w/o) is NEAT without weight mutation."
 _CHOICE = (
-    "the paper's own beneath each. The paper's is taken if the budget's grid has it, in a budget "
-    "of these configurations alone with its largest population; otherwise the cell of the grid "
+    "the paper's own beneath each. The paper's is taken if the budget's grid has it, where a task "
+    "has these configurations alone with its largest population; otherwise the cell of the grid "
     "with the highest mean of the best final-generation fitness over seeds (ties: the smaller "
     "population, then the smaller rate)."
 )

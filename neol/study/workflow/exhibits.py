@@ -145,16 +145,16 @@ EXHIBITS = (
         "champion's held-out return."),
 )
 # fmt: on
-HEAT_MAPS = frozenset(each.name for each in EXHIBITS if each.task)
-"""Exhibits that need the whole grid."""
+HEAT_MAPS = {each.name: each.task for each in EXHIBITS if each.task}
+"""Exhibits that need a task's whole grid, with the task."""
 
 
 def exhibits(budget: Budget, *targets: Target) -> list[Exhibit]:
     """Return the exhibits of some targets, or of all, whose task a budget has.
 
-    Heat maps, those with a task, are omitted for a budget that does not run the whole grid.
+    Heat maps, those with a task, are omitted where a budget has only some cells of its grid.
     """
-    tasks = budget.tasks if budget.configurations == "grid" else ()
+    tasks = [task for task in budget.tasks if budget.configurations_of(task) == "grid"]
     return [
         each
         for each in EXHIBITS

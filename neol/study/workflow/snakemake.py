@@ -58,7 +58,7 @@ def _why(name: str, folder: Path, made: Mapping[str, Sequence[str]], budget: Bud
     """Return what may be meant instead of a missing table or figure, or why it is not made."""
     if name in made:
         return f", did you mean {folder}/{name}.{made[name][0]}?"
-    if budget.configurations != "grid" and name in HEAT_MAPS:
+    if HEAT_MAPS.get(name) in budget.tasks:
         return f": {name} needs the whole grid, as budget {PAPER_BUDGET} has it"
     return ""
 

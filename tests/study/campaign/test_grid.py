@@ -86,6 +86,17 @@ def test_runs_that_another_budget_does_not_have(change):
     assert line.startswith(f"budget evidence: records_of.cartpole = paper: {DEFAULT_READING}/")
 
 
+def test_one_task_may_have_its_grid_and_another_the_papers_configurations():
+    parts = "{cartpole: table4, lunar_lander: grid, hopper: tables, bipedal_walker: tables}"
+    configuration = load_configuration("evidence", [f"budget.configurations={parts}"])
+    assert Counter(cell.task for cell in cells(configuration)) == {
+        "cartpole": 4,
+        "lunar_lander": 14,
+        "hopper": 5,
+        "bipedal_walker": 5,
+    }
+
+
 def test_a_population_that_a_budget_of_tables_lacks_becomes_its_largest():
     evidence = load_configuration("evidence")
     there = cells(evidence)

@@ -108,7 +108,7 @@ def test_locks_of_another_machine_are_left(tmp_path: Path) -> None:
         ("table1.pdf", "makes no such file, did you mean figures/table1.tex? (in "),
         ("figure2", "makes no such file, did you mean figures/figure2.pdf? (in "),
         ("figures/demo/table1.tex", "did you mean figures/table1.tex?"),
-        ("figures/figure5.pdf", "file: figure5 needs the whole grid, as budget paper has it (in "),
+        ("figures/figure6.pdf", "file: figure6 needs the whole grid, as budget paper has it (in "),
     ],
 )
 def test_what_no_rule_makes_is_said_with_what_there_is(argument: str, said: str) -> None:
