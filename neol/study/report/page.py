@@ -38,9 +38,10 @@ from neol.study.report.common import (
     verified_table,
 )
 from neol.study.report.embedding import short_gif, small_png
+from neol.study.report.further_runs import UNASKED
 from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
-from neol.study.report.results import OPEN, answered
+from neol.study.report.results import answered
 from neol.study.report.showcase import Showcase, Shown
 from neol.study.workflow.exhibits import Exhibit, exhibits
 
@@ -95,9 +96,10 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         in_short=in_short(ledger, verified_frame(figures / "beyond_effects.csv"), selection),
         levels=levels_reached(selection),
         questions=questions,
-        decided=[each for each in questions if each["verdict"] not in OPEN],
+        decided=[each for each in questions if each["verdict"] not in UNASKED],
         open_questions={
-            verdict: [each for each in questions if each["verdict"] == verdict] for verdict in OPEN
+            verdict: [each for each in questions if each["verdict"] == verdict]
+            for verdict in UNASKED
         },
         counts=Counter(each["verdict"] for each in questions),
         plan=frozen_plan(),

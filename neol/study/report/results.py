@@ -33,11 +33,18 @@ from neol.study.output.captions import (
 )
 from neol.study.report import words
 from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
+from neol.study.report.further_runs import OPEN, UNASKED, costs_by_task
 from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
+from neol.study.tables.agreement import differing
 
-OPEN = ("too short", "not asked here")
-"""Verdicts that a larger budget would replace."""
+COMPARED = {
+    1: "final fitness against NEAT",
+    7: "final fitness against NEAT (w/o)",
+    2: "SCORE against NEAT",
+    8: "SCORE against NEAT (w/o)",
+}
+"""Tables whose numbers stand beside the paper's."""
 PICTURES = {"figure2": "", "beyond_effects": "-effects"}
 """Pictures beside the page, each with the end of its name."""
 
@@ -48,7 +55,10 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     Raises UserError where a table is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
-    table, sidecar = verified_table(campaign, figures, "table1")
+    shown = ["table1", "table7", *(f"numbers{number}" for number in COMPARED)]
+    verified_tables = {name: verified_table(campaign, figures, name) for name in shown}
+    tables = {name: table for name, (table, _) in verified_tables.items()}
+    _, sidecar = verified_tables["table1"]
     ledger = verified_frame(figures / "claims.csv")
     effects = verified_frame(figures / "beyond_effects.csv")
     selection = verified_frame(figures / "beyond_selection.csv")
@@ -73,14 +83,19 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         after_correction=words.after_correction(effects),
         why_they_differ=WHY_THEY_DIFFER,
         terms=" ".join(TERMS),
-        table=table.markdown(),
-        table_caption=table.caption,
-        table_notes=table.notes,
-        answered=[row for row in questions if row["verdict"] not in OPEN],
+        tables={name: table.markdown() for name, table in tables.items()},
+        notes={name: table.notes for name, table in tables.items()},
+        table_caption=tables["table1"].caption,
+        agreements=[
+            (number, outcome, differing(tables[f"numbers{number}"]))
+            for number, outcome in COMPARED.items()
+        ],
+        answered=[row for row in questions if row["verdict"] not in UNASKED],
         open_questions=[row for row in questions if row["verdict"] == "too short"],
         not_asked=sum(row["verdict"] == "not asked here" for row in questions),
         plan=frozen_plan(),
         open_count=int(ledger.loc[ledger["part"] == WHOLE, "verdict"].isin(OPEN).sum()),
+        cost_by_task=costs_by_task(configuration, ledger),
         papers_budget="nothing" if papers is None else three_figures(papers),
         estimated="nothing" if estimated is None else three_figures(estimated),
         spent=three_figures(spent["core_hours"]["all"]),

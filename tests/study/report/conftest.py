@@ -14,7 +14,7 @@ from neol.study.outcomes.effects import effect_sizes, selection_bias
 from neol.study.outcomes.outcomes import gather
 from neol.study.outcomes.sensitivity import sensitivity
 from neol.study.output.sidecar import write_sidecar
-from neol.study.tables import paper_tables
+from neol.study.tables import agreement, paper_tables
 from tests.helpers.made_up import configuration, write_campaign
 
 
@@ -33,6 +33,8 @@ def figures(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Pat
     folder = tmp_path_factory.mktemp("figures")
     for number in range(1, 9):
         getattr(paper_tables, f"table{number}")(campaign).write(folder)
+    for number in (1, 2, 7, 8):
+        getattr(agreement, f"numbers{number}")(campaign).write(folder)
     outcomes = gather(campaign)
     write_ledger(folder, answers(load_questions(), outcomes), load_claims(), campaign)
     for name, table in {

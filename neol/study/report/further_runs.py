@@ -1,0 +1,74 @@
+"""What it would cost to answer the questions that a budget's runs leave open, task by task."""
+
+import pandas as pd
+
+from neol.pictures.labels import task_label, three_figures
+from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
+from neol.study.campaign.cost import core_hours
+from neol.study.campaign.grid import blocks, home
+from neol.study.claims.ledger import WHOLE
+from neol.study.claims.questions import Question, load_questions
+
+UNASKED = ("too short", "not asked here")
+"""Verdicts of questions that a budget is too small for."""
+OPEN = (*UNASKED, "inconclusive")
+"""Verdicts that further runs may replace."""
+
+
+def costs_by_task(configuration: Configuration, ledger: pd.DataFrame) -> list[list[str]]:
+    """Return a head, then a row for each task of the paper.
+
+    A row has the open questions on this task alone and on several tasks, how many of the paper's
+    runs are already here, and the measured core-hours of all and of Tables 3 and 4's cells.
+    """
+    whole = ledger[ledger["part"] == WHOLE].set_index("question")["verdict"]
+    waiting = [each for each in load_questions() if whole[each.id] in OPEN]
+    papers = load_configuration(PAPER_BUDGET, reading=configuration.reading)
+    rows = [
+        [
+            "task",
+            "open questions on it alone",
+            "on it and others",
+            "runs here, of the paper's",
+            "core-hours of all",
+            "of Tables 3 and 4",
+        ]
+    ]
+    for task in papers.budget.tasks:
+        asked = [tasks for each in waiting if task in (tasks := _tasks(each))]
+        alone = sum(tasks == {task} for tasks in asked)
+        rows.append(
+            [
+                task_label(task),
+                str(alone),
+                str(len(asked) - alone),
+                f"{_runs_here(configuration, papers, task):,} of {_runs(papers, task):,}",
+                _hours(configuration, task),
+                _hours(configuration, task, "budget.configurations=tables"),
+            ]
+        )
+    return rows
+
+
+def _tasks(question: Question) -> set[str]:
+    return {*question.tasks, *getattr(question, "than_tasks", ())}
+
+
+def _runs(configuration: Configuration, task: str) -> int:
+    return sum(len(each.seeds) for each in blocks(configuration) if each.cell.task == task)
+
+
+def _runs_here(configuration: Configuration, papers: Configuration, task: str) -> int:
+    """Count a task's runs that are part of the paper's budget."""
+    return sum(
+        len(block.seeds)
+        for block in blocks(configuration)
+        if block.cell.task == task and block.home == home(papers)
+    )
+
+
+def _hours(configuration: Configuration, task: str, *changes: str) -> str:
+    """Return the measured cost of the paper's runs of a task."""
+    changes = (f"budget.tasks=[{task}]", *changes)
+    hours = core_hours(load_configuration(PAPER_BUDGET, changes, reading=configuration.reading))
+    return "--" if hours is None else three_figures(hours)
