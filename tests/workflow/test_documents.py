@@ -21,12 +21,19 @@ DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs
 FENCE = re.compile(r"^```(?P<info>[^\n]*)\n(?P<code>.*?)^```$", re.DOTALL | re.MULTILINE)
 INFO = re.compile(r'(?P<language>bash|python|yaml|text)(?: title="(?P<title>[\w./-]+)")?$')
 
-CHANGES_CODE = {"change-selection.md", "add-a-table-or-figure.md", "add-a-claim.md"}
-"""Pages that tests/test_how_to.py follows, as their commands need the changes that they show."""
+FOLLOWED = {
+    "change-selection.md",
+    "add-a-table-or-figure.md",
+    "add-a-claim.md",
+    "ask-another-reading.md",
+}
+"""Pages that tests/test_how_to.py follows: with the changes that they show, or smaller runs."""
 PLANNED_ONLY = {
     # these set up the environment, run all tests, wait for a person, or measure for long
     r"\bmake (environment|check|test|docs|lab|search|bench|lock)\b": r"make --dry-run \1",
-    r"^snakemake (?=.*budget=(?:desk|paper))(?!.*--dry-run)": "snakemake --dry-run ",
+    r"^snakemake (?=.*budget=(?:desk|paper|demo (?:reading|set)=))(?!.*--dry-run)": (
+        "snakemake --dry-run "
+    ),
     r"--profile profiles/slurm": "",
     r"--minutes \d+": "--minutes 0.1",
     r"--replay all": "--replay 1",
@@ -85,7 +92,7 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [
         page
         for page in DOCUMENTS
-        if page.name not in CHANGES_CODE and FENCE.search(page.read_text(encoding="utf-8"))
+        if page.name not in FOLLOWED and FENCE.search(page.read_text(encoding="utf-8"))
     ],
     ids=lambda page: str(page.relative_to(ROOT)),
 )
@@ -118,6 +125,10 @@ def test_a_long_command_is_only_planned() -> None:
     assert long.command[-1] == (
         "snakemake --dry-run all --config budget=desk      --cores 8\nmake --dry-run test\n"
     )
+    changed = Block("bash", None, "snakemake tables --config budget=demo set=neat.elitism=1\n")
+    assert changed.command[-1].startswith("snakemake --dry-run tables")
+    shown = "snakemake tables --config budget=demo\n"
+    assert Block("bash", None, shown).command[-1] == shown
 
 
 def test_a_language_is_needed(tmp_path: Path) -> None:

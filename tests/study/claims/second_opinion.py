@@ -476,9 +476,10 @@ def stays(first: float, second: float, third: float | None = None) -> float:
     y = nodes * b
     tails = last(y)
 
-    def inner(x: float) -> float:
-        return float(np.sum(weights * b * stats.norm.pdf(y, x, step) * tails))
+    def density(x: Any) -> Any:  # stats.norm.pdf takes ten times as long
+        return np.exp(-0.5 * (x / step) ** 2) / (step * math.sqrt(2 * math.pi))
 
-    return float(
-        integrate.quad(lambda x: stats.norm.pdf(x, 0, step) * inner(x), -a, a, epsabs=1e-10)[0]
-    )
+    def inner(x: float) -> float:
+        return float(np.sum(weights * b * density(y - x) * tails))
+
+    return float(integrate.quad(lambda x: density(x) * inner(x), -a, a, epsabs=1e-10)[0])
