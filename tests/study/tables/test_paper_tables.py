@@ -198,9 +198,11 @@ def test_tasks_of_different_size_are_told_apart() -> None:
 
 
 def test_a_part_of_the_papers_budget_says_which() -> None:
-    caption = describe_budget(select("evidence", "lunar_lander", "worked_example"))
-    assert "budget: 10 of 30 seeds, P = 300, the configurations of Tables 3 and 4. Rea" in caption
-    assert "Reduced" not in caption
+    landing = describe_budget(select("evidence", "lunar_lander", "worked_example"))
+    assert "budget: 10 of 30 seeds, P = 300. Rea" in landing
+    balancing = describe_budget(select("evidence", "cartpole"))
+    assert "budget: P = 50, the configurations of Tables 3 and 4. Rea" in balancing
+    assert "Reduced" not in landing + balancing
 
 
 class TestOtherTables:
