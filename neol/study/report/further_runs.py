@@ -30,8 +30,8 @@ def costs_by_task(configuration: Configuration, ledger: pd.DataFrame) -> list[li
             "open questions on it alone",
             "on it and others",
             "runs here, of the paper's",
-            "core-hours of all",
-            "of Tables 3 and 4",
+            "core-hours of all runs",
+            "of those in Tables 3 and 4",
         ]
     ]
     for task in papers.budget.tasks:

@@ -55,7 +55,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     Raises UserError where a table is not there, or is not what its sidecar or the records say.
     """
     configuration = campaign.configuration
-    shown = ["table1", "table7", *(f"numbers{number}" for number in COMPARED)]
+    shown = ["table1", "table2", "table7", *(f"numbers{number}" for number in COMPARED)]
     verified_tables = {name: verified_table(campaign, figures, name) for name in shown}
     tables = {name: table for name, (table, _) in verified_tables.items()}
     _, sidecar = verified_tables["table1"]

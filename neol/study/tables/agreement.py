@@ -19,7 +19,7 @@ from neol.study.outcomes.paper_numbers import PAPER_SEEDS
 from neol.study.outcomes.statistics import ALPHA, holm
 from neol.study.output.captions import describe_budget, describe_samples
 from neol.study.tables import formats
-from neol.study.tables.summary import OursAndPapers, compare
+from neol.study.tables.summary import OursAndPapers, OwnSummary, compare
 from neol.study.tables.table import Entry, Line, Table
 
 COLUMNS = (
@@ -83,7 +83,7 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
         number_format, outcome = formats.score, f"SCORE, with M = {describe_samples(campaign)}"
     lines = [
         Line(
-            f"{task_label(each.task)}, {method_label(each.method)}",
+            f"{task_label(each.task)}, {method_label(each.method)}{_rate(each.here)}",
             (
                 formats.marked(
                     number_format(each.here),
@@ -93,7 +93,7 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
                 number_format(each.paper),
                 _interval(row["difference"], row["low"], row["high"]),
                 _interval(row["sd_ratio"], row["sd_low"], row["sd_high"]),
-                Entry(row["differs"], "best"),
+                Entry(row["differs"], "best") if row["differs"] else Entry("--"),
             ),
             is_beneath=False,
         )
@@ -108,7 +108,8 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
             f"The numbers of the paper's Table {number} ({outcome}) beside ours: the "
             "difference of means with Welch's interval, and the ratio of standard deviations with "
             "an F interval, which assumes normal outcomes. The last column names what differs at "
-            f"level {ALPHA} after Holm's correction over this table. "
+            f"level {ALPHA} after Holm's correction over this table. Rules have their learning "
+            "rate. "
             f"{describe_budget(campaign.configuration)}"
         ),
         columns=COLUMNS,
@@ -147,6 +148,10 @@ def _row(each: OursAndPapers) -> dict[str, object]:
         "near_control": each.here.near_control,
         "incomplete": each.here.incomplete,
     }
+
+
+def _rate(here: OwnSummary) -> str:
+    return "" if here.learning_rate is None else f", rate {here.learning_rate:g}"
 
 
 def _interval(value: float, low: float, high: float) -> Entry:

@@ -1,5 +1,6 @@
 """The paper's numbers beside ours, against SciPy's tests of summaries and plain arithmetic."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -61,6 +62,11 @@ def test_the_papers_own_numbers_differ_in_nothing(tmp_path: Path) -> None:
     row = table.frame.set_index("method").loc["neat"]
     assert row[["difference", "sd_ratio", "p_mean", "p_sd"]].tolist() == pytest.approx([0, 1, 1, 1])
     assert row["differs"] == ""
+    text = table.markdown()
+    assert re.search(r"^\| Hopper, NEAT \|.* \| -- \|$", text, re.MULTILINE)
+    assert re.search(
+        r"^\| Hopper, BCM, rate 0.0\d+ \|.* \| \*\*mean and SD\*\* \|$", text, re.MULTILINE
+    )
     assert table.frame.set_index("method").loc["bcm", "differs"] == "mean and SD"
     assert differing(table) == (
         "Of 8 numbers, 3 means and 3 standard deviations differ significantly from the paper's, "
