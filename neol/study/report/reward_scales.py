@@ -90,7 +90,8 @@ def _hebb_leads(finals: Finals) -> str:
     low, high = ours.interval()
     paper_low, _ = _papers_lead().interval()
     verdict = "seen" if low > 0 else "contradicted" if high < paper_low else "open"
-    return f"{verdict}: {ours.value:+.1f} [{low:.1f}, {high:.1f}]"
+    runs = f"{len(hebb)} against {len(without)} runs"
+    return f"{verdict}: {ours.value:+.1f} [{low:.1f}, {high:.1f}], {runs}"
 
 
 def _best_rate(finals: Finals, rates: Sequence[float]) -> str:
