@@ -6,6 +6,7 @@ from neol.pictures.labels import task_label, three_figures
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.study.campaign.cost import core_hours
 from neol.study.campaign.grid import blocks, home
+from neol.study.campaign.shown import with_tasks
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import Question, load_questions
 
@@ -23,7 +24,10 @@ def costs_by_task(configuration: Configuration, ledger: pd.DataFrame) -> list[li
     """
     whole = ledger[ledger["part"] == WHOLE].set_index("question")["verdict"]
     waiting = [each for each in load_questions() if whole[each.id] in OPEN]
-    papers = load_configuration(PAPER_BUDGET, reading=configuration.reading)
+    papers, named = (
+        load_configuration(PAPER_BUDGET, changes, reading=configuration.reading)
+        for changes in ([], ["budget.configurations=tables"])
+    )
     rows = [
         [
             "task",
@@ -42,9 +46,9 @@ def costs_by_task(configuration: Configuration, ledger: pd.DataFrame) -> list[li
                 task_label(task),
                 str(alone),
                 str(len(asked) - alone),
-                f"{_runs_here(configuration, papers, task):,} of {_runs(papers, task):,}",
-                _hours(configuration, task),
-                _hours(configuration, task, "budget.configurations=tables"),
+                f"{_runs(configuration, papers, task):,} of {_runs(papers, papers, task):,}",
+                _hours(papers, task),
+                _hours(named, task),
             ]
         )
     return rows
@@ -54,12 +58,8 @@ def _tasks(question: Question) -> set[str]:
     return {*question.tasks, *getattr(question, "than_tasks", ())}
 
 
-def _runs(configuration: Configuration, task: str) -> int:
-    return sum(len(each.seeds) for each in blocks(configuration) if each.cell.task == task)
-
-
-def _runs_here(configuration: Configuration, papers: Configuration, task: str) -> int:
-    """Count a task's runs that are part of the paper's budget."""
+def _runs(configuration: Configuration, papers: Configuration, task: str) -> int:
+    """Count a configuration's runs of a task that are part of the paper's budget."""
     return sum(
         len(block.seeds)
         for block in blocks(configuration)
@@ -67,8 +67,7 @@ def _runs_here(configuration: Configuration, papers: Configuration, task: str) -
     )
 
 
-def _hours(configuration: Configuration, task: str, *changes: str) -> str:
-    """Return the measured cost of the paper's runs of a task."""
-    changes = (f"budget.tasks=[{task}]", *changes)
-    hours = core_hours(load_configuration(PAPER_BUDGET, changes, reading=configuration.reading))
+def _hours(configuration: Configuration, task: str) -> str:
+    """Return the measured cost of a configuration's runs of a task."""
+    hours = core_hours(with_tasks(configuration, [task]))
     return "--" if hours is None else three_figures(hours)

@@ -108,8 +108,8 @@ def _agreement(number: int, campaign: Campaign, setting: str, methods: Sequence[
             f"The numbers of the paper's Table {number} ({outcome}) beside ours: the "
             "difference of means with Welch's interval, and the ratio of standard deviations with "
             "an F interval, which assumes normal outcomes. The last column names what differs at "
-            f"level {ALPHA} after Holm's correction over this table. Rules have their learning "
-            "rate. "
+            f"level {ALPHA} after Holm's correction over this table. A rule's learning rate "
+            "follows its name. "
             f"{describe_budget(campaign.configuration)}"
         ),
         columns=COLUMNS,
