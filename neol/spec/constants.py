@@ -233,6 +233,11 @@ class Budget(Model):
         """Return which cells of a task's grid are run: grid, tables or table4."""
         return _of_task(self.configurations, task)
 
+    @property
+    def grid_tasks(self) -> list[str]:
+        """Tasks of which all cells of the grid are run."""
+        return [task for task in self.tasks if self.configurations_of(task) == "grid"]
+
     def generations_of(self, task: str) -> int:
         """Return the generations G of a task's runs."""
         return _of_task(self.generations, task)

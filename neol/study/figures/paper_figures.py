@@ -45,8 +45,8 @@ def figure3(campaign: Campaign) -> Drawing:
 
 
 def heatmaps_of(budget: Budget) -> list[int]:
-    """Return the numbers of the heat maps whose tasks a budget has."""
-    return [number for number, (task, _) in HEATMAPS.items() if task in budget.tasks]
+    """Return the numbers of the heat maps of the tasks whose grid a budget has."""
+    return [number for number, (task, _) in HEATMAPS.items() if task in budget.grid_tasks]
 
 
 def heatmap(number: int, campaign: Campaign) -> Drawing:

@@ -154,11 +154,10 @@ def exhibits(budget: Budget, *targets: Target) -> list[Exhibit]:
 
     Heat maps, those with a task, are omitted where a budget has only some cells of its grid.
     """
-    tasks = [task for task in budget.tasks if budget.configurations_of(task) == "grid"]
     return [
         each
         for each in EXHIBITS
-        if (not targets or each.group.target in targets) and each.task in (None, *tasks)
+        if (not targets or each.group.target in targets) and each.task in (None, *budget.grid_tasks)
     ]
 
 
