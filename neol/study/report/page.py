@@ -41,6 +41,7 @@ from neol.study.report.embedding import short_gif, small_png
 from neol.study.report.further_runs import UNASKED
 from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
+from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
 from neol.study.report.results import answered
 from neol.study.report.showcase import Showcase, Shown
 from neol.study.workflow.exhibits import Exhibit, exhibits
@@ -92,6 +93,9 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         described=describe_budget(configuration),
         lacking=lacking(campaign),
         commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
+        do_they_hold=do_they_hold(ledger),
+        main_claims=by_task(ledger),
+        about_main_claims=ABOUT,
         terms=" ".join(TERMS),
         in_short=in_short(ledger, verified_frame(figures / "beyond_effects.csv"), selection),
         levels=levels_reached(selection),

@@ -38,6 +38,7 @@ from neol.study.report.citation import citation
 from neol.study.report.common import command_line, verified_frame, verified_table
 from neol.study.report.in_short import in_short
 from neol.study.report.levels import levels_reached
+from neol.study.report.main_claims import do_they_hold
 from neol.study.tables.table import Table, latex_entry
 from neol.study.workflow.exhibits import EXHIBITS, TABLES
 
@@ -116,7 +117,7 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
         "differencesablation": _items(words.differences(effects, FITNESS, "neat_wo")),
         "inshort": "".join(
             rf"\item \textbf{{{escape(point.lead)}}} {escape(point.text.replace('`', ''))} "
-            for point in in_short(ledger, effects, selection)
+            for point in [do_they_hold(ledger), *in_short(ledger, effects, selection)]
         ),
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(levels_reached(selection)),

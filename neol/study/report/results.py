@@ -1,7 +1,8 @@
 """The page docs/results.md: how a budget's runs answer the paper's questions.
 
 A budget other than the shown one has a page of its own, such as docs/results-demo.md.
-`results.md.j2` is the text; `in_short`, `levels` and `words` have the generated sentences.
+`results.md.j2` is the text; `main_claims`, `in_short`, `levels` and `words` have the generated
+sentences.
 """
 
 from collections.abc import Hashable
@@ -36,6 +37,7 @@ from neol.study.report.common import command_line, render, verified, verified_fr
 from neol.study.report.further_runs import OPEN, UNASKED, costs_by_task
 from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
+from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
 from neol.study.tables.agreement import differing
 
 COMPARED = {
@@ -76,6 +78,9 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         runs=spent["runs"]["all"],
         figures=figures.as_posix(),
         title=_title(configuration),
+        do_they_hold=do_they_hold(ledger).markdown(),
+        main_claims=by_task(ledger),
+        about_main_claims=ABOUT,
         in_short=[point.markdown() for point in in_short(ledger, effects, selection)],
         levels=levels_reached(selection),
         against_neat=words.effects_table(effects, "neat"),

@@ -1,0 +1,109 @@
+"""Whether the paper's main claims hold: one sentence, and a table of them on each task.
+
+By these claims the rules end higher than NEAT and than NEAT (w/o), with a higher SCORE and less
+variation over seeds: the questions of three families in paper/questions.yaml.
+"""
+
+from collections.abc import Hashable, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from neol.pictures.labels import listed, method_label, task_label, three_figures, with_interval
+from neol.study.claims.ledger import WHOLE
+from neol.study.claims.questions import Difference, load_questions
+from neol.study.report.in_short import ANSWERS, Point
+
+CLAIMED = {
+    "fitness": "end higher",
+    "SCORE": "have a higher SCORE",
+    "spread": "vary less over seeds (ratio of SDs)",
+}
+"""Families of the main claims' questions, and what each says of the rules."""
+FOR = ("reproduced", "same direction")
+AGAINST = ("not reproduced", "equivalent to zero")
+ABOUT = (
+    "Each answer has the effect of all rules together with the interval of its look, then the "
+    "effect that the paper prints. A dash: the paper's configurations were not run, or with too "
+    "few seeds."
+)
+"""What the table's entries are."""
+NOT_RUN = "--"
+UNDECIDED = {"inconclusive": "Open", "too short": "Too short"}
+
+
+def main_questions() -> list[Difference]:
+    """Return the questions of the main claims, each on one task against one baseline."""
+    return [
+        question
+        for question in load_questions()
+        if isinstance(question, Difference) and question.family in CLAIMED
+    ]
+
+
+def do_they_hold(ledger: pd.DataFrame) -> Point:
+    """Say in a few sentences what the verdicts on the main claims are."""
+    verdicts = ledger[ledger["part"] == WHOLE].set_index("question")["verdict"]
+    questions = main_questions()
+    found = [verdicts[question.id] for question in questions]
+    asked = [verdict for verdict in found if verdict != "not asked here"]
+    sides = {
+        "for the paper": sum(verdict in FOR for verdict in asked),
+        "in part": sum(verdict == "mixed" for verdict in asked),
+        "against it": sum(verdict in AGAINST for verdict in asked),
+    }
+    decided = sum(sides.values())
+    tasks = listed(task_label(task) for task in dict.fromkeys(each.tasks[0] for each in questions))
+    counts = listed(
+        f"{count or 'none'} {side}" for side, count in sides.items() if count or side != "in part"
+    )
+    return Point(
+        _lead(sides, decided),
+        "The paper's main claims are that its rules end higher than NEAT, and than NEAT without "
+        "weight mutation, with better sample efficiency and less variation over seeds: "
+        f"{len(questions)} questions on {tasks}. These runs ask {len(asked) or 'none'} of them and "
+        f"decide {f'{decided}: {counts}' if decided else 'none'}.",
+    )
+
+
+def by_task(ledger: pd.DataFrame) -> list[list[str]]:
+    """Return a head, then a row for each claim and baseline, with the answer on each task.
+
+    An answer has the effect of all rules together, with the interval of its look, and the effect
+    that the paper prints. Those on variation are ratios of standard deviations. The table is empty
+    where none of the questions is asked.
+    """
+    rows = ledger[ledger["part"] == WHOLE].set_index("question").to_dict("index")
+    grid: dict[tuple[str, str], dict[str, str]] = {}
+    for question in main_questions():
+        claim = (CLAIMED[str(question.family)], method_label(str(question.against.method)))
+        grid.setdefault(claim, {})[question.tasks[0]] = _answer(
+            rows[question.id], is_ratio=question.statistic == "spread"
+        )
+    if {NOT_RUN} == {each for answers in grid.values() for each in answers.values()}:
+        return []
+    tasks = list(next(iter(grid.values())))
+    return [
+        ["do the rules ...", "compared with", *map(task_label, tasks)],
+        *([*claim, *(answers[task] for task in tasks)] for claim, answers in grid.items()),
+    ]
+
+
+def _lead(sides: Mapping[str, int], decided: int) -> str:
+    if not decided:
+        return "Not decided by these runs."
+    if decided == sides["against it"]:
+        return "No, where these runs decide."
+    return "Yes, where these runs decide." if decided == sides["for the paper"] else "In part."
+
+
+def _answer(row: Mapping[Hashable, Any], *, is_ratio: bool) -> str:
+    """Return an answer with its effect: No: -83.2 [-132, -34.2], the paper 12.0."""
+    verdict = row["verdict"]
+    if verdict == "not asked here":
+        return NOT_RUN
+    answer = (ANSWERS | UNDECIDED)[verdict]
+    numbers = np.array([row[name] for name in ("effect", "low", "high", "paper_effect")], float)
+    effect, low, high, paper = np.exp(numbers) if is_ratio else numbers
+    return f"{answer}: {with_interval(effect, low, high)}, the paper {three_figures(paper)}"

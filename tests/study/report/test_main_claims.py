@@ -1,0 +1,60 @@
+"""Whether the paper's main claims hold: the sentence and the table."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from neol.study.report.main_claims import by_task, do_they_hold, main_questions
+
+
+def ledger(**verdicts: str) -> pd.DataFrame:
+    """Verdicts on the main claims' questions by id (with _ for -); others are not asked."""
+    rows: list[dict[str, Any]] = []
+    for question in main_questions():
+        verdict = verdicts.get(question.id.replace("-", "_"), "not asked here")
+        numbers = {"effect": 1.0, "low": 0.5, "high": 1.5, "paper_effect": 12.0}
+        if verdict == "not asked here":
+            numbers = dict.fromkeys(numbers, np.nan)
+        rows += [
+            {"question": question.id, "part": "all", "verdict": verdict, **numbers},
+            {"question": question.id, "part": "hopper: bcm", "verdict": verdict, **numbers},
+        ]
+    return pd.DataFrame(rows)
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "lead", "counts"),
+    [
+        ([], "Not decided by these runs.", "These runs ask none of them and decide none."),
+        (["inconclusive"], "Not decided by these runs.",
+         "These runs ask 1 of them and decide none."),
+        (["too short", "not reproduced", "equivalent to zero"], "No, where these runs decide.",
+         "These runs ask 3 of them and decide 2: none for the paper and 2 against it."),
+        (["reproduced", "same direction"], "Yes, where these runs decide.",
+         "These runs ask 2 of them and decide 2: 2 for the paper and none against it."),
+        (["reproduced", "mixed", "not reproduced"], "In part.",
+         "decide 3: 1 for the paper, 1 in part and 1 against it."),
+    ],
+)  # fmt: skip
+def test_the_answer_says_no_more_than_the_verdicts(
+    verdicts: list[str], lead: str, counts: str
+) -> None:
+    names = [question.id.replace("-", "_") for question in main_questions()]
+    point = do_they_hold(ledger(**dict(zip(names, verdicts, strict=False))))
+    assert point.lead == lead
+    assert "18 questions on Lunar Lander, Hopper and Bipedal Walker." in point.text
+    assert point.text.endswith(counts)
+
+
+def test_the_table_has_an_answer_for_each_claim_baseline_and_task() -> None:
+    head, *rows = by_task(
+        ledger(final_neat_hopper="not reproduced", spread_neat_wo_lunar_lander="inconclusive")
+    )
+    assert head[2:] == ["Lunar Lander", "Hopper", "Bipedal Walker"]
+    answers = {tuple(row[:2]): row[2:] for row in rows}
+    assert len(answers) == 6
+    assert answers["end higher", "NEAT"] == ["--", "No: 1.00 [0.500, 1.50], the paper 12.0", "--"]
+    spread = answers["vary less over seeds (ratio of SDs)", "NEAT (w/o)"][0]
+    assert spread == "Open: 2.72 [1.65, 4.48], the paper 162755"
