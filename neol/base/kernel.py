@@ -1,4 +1,4 @@
-"""Compilation of neol's kernels: two decorators, one cache."""
+"""Compilation of neol's kernels and C functions, with one cache."""
 
 import contextlib
 from collections.abc import Callable
@@ -6,6 +6,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.core.ccallback import CFunc
 from numba.core.dispatcher import Dispatcher
 
 from neol.base.kernel_cache import KernelCache, kernel_folder
@@ -45,6 +46,19 @@ def loop_kernel(function: Function) -> Function:
     return _compiled(function, in_loop=True)
 
 
+def c_function(function: Callable[..., object], signature: Any, cached: bool = True) -> Any:
+    """Compile a function with a C signature, to be called by its `address`.
+
+    It is as safe from a bad cache as a kernel. Nothing is kept on disk if not `cached`.
+    """
+    types = signature.args, signature.return_type
+    compiled = CFunc(function, types, locals={}, options={"error_model": "numpy"})
+    if cached:
+        _keep_on_disk(compiled, function)
+    compiled.compile()
+    return compiled
+
+
 def record_dtype(dtype: np.dtype[np.void]) -> np.dtype[np.void]:
     """Return a dtype of the same bytes with fields that plain kernels can read as attributes."""
     return np.dtype((np.record, dtype)) if PLAIN else dtype
@@ -54,7 +68,13 @@ def _compiled(function: Function, in_loop: bool) -> Function:
     """Compile with both options set, because an omitted one is inherited from a caller."""
     options: dict[str, Any] = {"forceinline": in_loop, "_nrt": not in_loop}
     compiled = numba.njit(nogil=True, error_model="numpy", **options)(function)
-    if FOLDER is not None and isinstance(compiled, Dispatcher):
-        with contextlib.suppress(OSError, RuntimeError):  # numba finds no place for the files
-            compiled._cache = KernelCache(function)  # type: ignore[attr-defined, no-untyped-call]
+    if isinstance(compiled, Dispatcher):
+        _keep_on_disk(compiled, function)
     return cast(Function, compiled)
+
+
+def _keep_on_disk(compiled: Any, function: Callable[..., object]) -> None:
+    """Replace the cache of a compiled function, which numba's decorators would leave unguarded."""
+    if FOLDER is not None:
+        with contextlib.suppress(OSError, RuntimeError):  # numba finds no place for the files
+            compiled._cache = KernelCache(function)  # type: ignore[no-untyped-call]

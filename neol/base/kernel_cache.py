@@ -31,15 +31,20 @@ class KernelCache(FunctionCache):
     """Numba's cache of a function, which does without where files cannot be read or written."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what was compiled for a signature; None where that is not there or damaged."""
+        """Return what was compiled for a signature; None where that is not there or damaged.
+
+        The index of a damaged cache is emptied, so that what is compiled next can be kept.
+        """
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except Exception:  # unpickling damaged files can raise anything
+            with contextlib.suppress(OSError):
+                self.flush()  # type: ignore[no-untyped-call]
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what was compiled, if the disk and its quota allow."""
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(Exception):  # it reads the index, which may be damaged
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 

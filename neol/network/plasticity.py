@@ -17,7 +17,7 @@ from numba.extending import register_jitable
 
 from neol.base.c_calls import call_int, plain_address
 from neol.base.errors import UserError
-from neol.base.kernel import PLAIN, loop_kernel
+from neol.base.kernel import PLAIN, c_function, loop_kernel
 from neol.network.forward import Networks
 from neol.network.rules import NO_RULE, Rule, find_rule
 
@@ -117,7 +117,7 @@ def learner(rule: Rule) -> Any:
     # A rule from another module is compiled in each process: the cache cannot see its edits.
     cached = rule.change.__module__.startswith("neol.")
     try:
-        return numba.cfunc(_SIGNATURE, cache=cached, error_model="numpy")(loop)
+        return c_function(loop, _SIGNATURE, cached)
     except numba.core.errors.NumbaError as error:
         check = f"numba.njit({rule.name})(1.0, 1.0, 1.0, 1.0)"
         raise UserError(f"rule {rule.name}: numba cannot compile it; {check} says why") from error

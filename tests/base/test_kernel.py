@@ -8,12 +8,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
-from pickle import UnpicklingError
+from typing import Any
 
+import numba
 import pytest
 
-from neol.base.kernel import kernel
+from neol.base.kernel import c_function, kernel
 from neol.base.kernel_cache import MARK, UNUSED_SECONDS, kernel_folder, source_digest
 
 COMPILE = (
@@ -106,35 +108,76 @@ def test_a_link_to_a_folder_that_others_can_write_is_not_followed(
     assert kernel_folder() == tmp_path / "home" / "neol" / f"kernels-{source_digest()}"
 
 
-def test_a_full_disk_costs_time_and_not_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object, **__: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
+def treble(x: float) -> float:
+    """Three times as much."""
+    return 3 * x
 
-    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", full)
 
-    @kernel
-    def treble(x: float) -> float:
-        """Three times as much."""
-        return 3 * x
+def compiled_kernel() -> tuple[float, int]:
+    """Compile a kernel; return its result for 2 and how often it was found in the cache."""
+    compiled: Any = kernel(treble)
+    return compiled(2.0), sum(compiled.stats.cache_hits.values())
 
-    assert treble(2.0) == 6.0
+
+def compiled_c_function() -> tuple[float, int]:
+    """Compile a C function; return its result for 2 and how often it was found in the cache."""
+    compiled = c_function(treble, numba.float64(numba.float64))
+    return compiled.ctypes(2.0), compiled.cache_hits
+
+
+both_kinds = pytest.mark.parametrize("compiled", [compiled_kernel, compiled_c_function])
+Compiled = Callable[[], tuple[float, int]]
+
+
+@pytest.fixture
+def kernels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder in which this process keeps what it compiles."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def full(*_: object, **__: object) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@both_kinds
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize("size", [0, 100])
+def test_a_damaged_cache_is_compiled_again_and_replaced(
+    compiled: Compiled, suffix: str, size: int, kernels: Path
+) -> None:
+    assert compiled() == (6.0, 0)
+    assert compiled() == (6.0, 1)
+    (file,) = kernels.rglob(f"*{suffix}")
+    os.truncate(file, size)
+    assert compiled() == (6.0, 0)
+    assert compiled() == (6.0, 1)
+
+
+@both_kinds
+def test_a_damaged_cache_that_cannot_be_replaced_costs_time_and_not_the_work(
+    compiled: Compiled, kernels: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiled()
+    (index,) = kernels.rglob("*.nbi")
+    os.truncate(index, 100)
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile._open_for_write", full)
+    assert compiled() == (6.0, 0)
+
+
+@both_kinds
+def test_a_full_disk_costs_time_and_not_the_work(
+    compiled: Compiled, kernels: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile._open_for_write", full)
+    assert compiled() == (6.0, 0)
+    assert not any(path.is_file() for path in kernels.rglob("*"))
+
+
+def test_a_disk_without_any_place_for_a_cache(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("neol.base.kernel_cache._make_private", full)
     monkeypatch.setattr(tempfile, "mkdtemp", full)
     assert kernel_folder() is None
-
-
-def test_a_damaged_cache_is_compiled_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    def damaged(*_: object) -> None:
-        raise UnpicklingError("invalid load key")
-
-    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.load", damaged)
-
-    @kernel
-    def quadruple(x: float) -> float:
-        """Four times as much."""
-        return 4 * x
-
-    assert quadruple(2.0) == 8.0
 
 
 def test_a_cache_of_another_user_is_not_read(

@@ -1,6 +1,8 @@
 """The rules: by hand over several steps, and the kernel against a plain twin."""
 
+import errno
 import math
+from pickle import UnpicklingError
 
 import numpy as np
 import pytest
@@ -73,6 +75,20 @@ def test_oja_settles_where_its_weight_has_norm_one() -> None:
         values = np.array([*x, weight @ x])
         learn(one_node(weight), 0, learning("oja", np.zeros(1)), 0.05, values)
     assert np.linalg.norm(weight) == pytest.approx(1.0)
+
+
+def test_a_rule_is_compiled_where_the_cache_is_damaged_and_full(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def damaged(*_: object) -> None:
+        raise UnpicklingError("invalid load key")
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile._load_index", damaged)
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile._save_index", full)
+    assert learner.__wrapped__(find_rule("oja")).address
 
 
 numbers = st.floats(-5, 5)
