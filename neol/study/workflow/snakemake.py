@@ -1,6 +1,7 @@
 """Functions for the Snakefile: a pattern for its records, refusals, and removal of stale locks."""
 
 import fcntl
+import os
 import platform
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -77,10 +78,7 @@ def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:
         folder.mkdir(exist_ok=True)
         file = (folder / "alive").open("a+")
     except OSError as error:
-        raise UserError(
-            f"{folder.absolute()}: cannot be written ({error.strerror}); Snakemake needs it, even "
-            "for a dry run: copy the checkout (git clone) to where you may write"
-        ) from None
+        raise _cannot_be_written(folder, error) from None
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -92,8 +90,25 @@ def clear_stale_locks(folder: Path = Path(".snakemake")) -> IO[str] | None:
         if (machine := file.read()) not in ("", platform.node()):
             return None
         if not machine:
-            file.write(platform.node())
+            try:
+                _save(file, platform.node())
+            except OSError as error:
+                raise _cannot_be_written(folder, error) from None
         for lock in (folder / "locks").glob("*.lock"):
             lock.unlink()
     fcntl.flock(file, fcntl.LOCK_SH)
     return file
+
+
+def _save(file: IO[str], text: str) -> None:
+    """Write text to the disk, where other machines see it while the file stays open."""
+    file.write(text)
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def _cannot_be_written(folder: Path, error: OSError) -> UserError:
+    return UserError(
+        f"{folder.absolute()}: cannot be written ({error.strerror}); Snakemake needs it, even "
+        "for a dry run: copy the checkout (git clone) to where you may write"
+    )

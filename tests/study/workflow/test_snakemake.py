@@ -1,10 +1,14 @@
 """Functions for the Snakefile: arguments, reasons, and stale locks."""
 
+import errno
+import os
+import platform
 import re
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
@@ -93,6 +97,11 @@ def test_locks_are_cleared_once_nobody_lives(
         assert not any(locks.iterdir())
 
 
+def test_the_machine_is_on_the_disk_while_its_workflow_lives(tmp_path: Path) -> None:
+    with clear_stale_locks(tmp_path) or pytest.fail("cannot be held"):
+        assert (tmp_path / "alive").read_text() == platform.node()
+
+
 def test_locks_of_another_machine_are_left(tmp_path: Path) -> None:
     (tmp_path / "alive").write_text("elsewhere")
     (tmp_path / "locks").mkdir()
@@ -126,3 +135,12 @@ def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     said = refusal(clear_stale_locks, tmp_path / "file" / ".snakemake")
     assert "file/.snakemake: cannot be written (Not a directory); Snakemake needs it, even" in said
+
+
+def test_a_full_disk_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_file: int) -> NoReturn:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    said = refusal(clear_stale_locks, tmp_path)
+    assert said.startswith(f"{tmp_path}: cannot be written (No space left on device); Snakemake")
