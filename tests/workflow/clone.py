@@ -27,9 +27,8 @@ JOB_COUNT = re.compile(r"^([\w.-]+) +(\d+)$", re.MULTILINE)
 def fresh_clone(folder: Path) -> Path:
     """Clone HEAD and add all uncommitted changes."""
     subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", ROOT, folder], check=True)
-    listed = ["git", "ls-files", "-z", "--modified", "--others", "--exclude-standard"]
-    changed = subprocess.run(listed, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    for path in changed.split("\0")[:-1]:
+    changed = _listed("diff", "--name-only", "--no-renames", "HEAD")
+    for path in changed + _listed("ls-files", "--others", "--exclude-standard"):
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         if (ROOT / path).exists():
             shutil.copy2(ROOT / path, folder / path)
@@ -39,6 +38,13 @@ def fresh_clone(folder: Path) -> Path:
         shutil.copy2(LIBRARY, folder / LIBRARY.relative_to(ROOT))
     _share_kernels(folder)
     return folder
+
+
+def _listed(*command: str) -> list[str]:
+    """Return the paths that a command of git lists in this checkout."""
+    run = ["git", *command, "-z"]
+    listed = subprocess.run(run, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    return listed.split("\0")[:-1]
 
 
 def _share_kernels(clone: Path) -> None:
