@@ -26,6 +26,10 @@ localrules:
     kept,
 
 
+onstart:
+    remove_outdated()
+
+
 onsuccess:
     tidy()
 

@@ -92,6 +92,20 @@ def tidy():
 
 
 REASONS = {path: job.reason() for path, job in JOBS.items()}
+
+
+def remove_outdated():
+    """Remove the .partial folders of existing records that will be made again.
+
+    A killed workflow left them. Snakemake removes such a record before its job starts, which would then refuse the
+    seeds of the former constants. Reasons are asked for again, because another workflow in this folder may have made
+    the record meanwhile.
+    """
+    for path, job in JOBS.items():
+        if REASONS[path] and job.reason():
+            remove_if_complete(Path(path))
+
+
 NEEDED = pattern(job.record for path, job in JOBS.items() if REASONS[path])
 # Valid records are not outputs of any rule, so `--delete-all-output` keeps them. Snakemake needs a rule only for those
 # that are targets of the command.

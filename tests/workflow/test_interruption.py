@@ -175,6 +175,17 @@ def test_only_the_workflow_killed(clone: Path, undisturbed: object) -> None:
     (clone / RECORD).unlink()
 
 
+def test_killed_before_a_constant_changed(clone: Path, spec: RunSpec, undisturbed: object) -> None:
+    """The seeds that it kept are of the old constant, and do not stop the job of the new one."""
+    old = spec.model_copy(update={"generations": 2})
+    run_block(old, range(3), clone / RECORD, budget="mini", keep_partial=True)
+    done = snakemake(clone, *COMMAND)
+    assert done.returncode == 0, done.stdout
+    assert result(read_record(clone / RECORD)) == undisturbed
+    assert [path.name for path in (clone / RECORD).parent.iterdir()] == [RECORD.name]
+    (clone / RECORD).unlink()
+
+
 def text(log: Path) -> str:
     """Return a log's content; Snakemake removes the log before its job starts again."""
     try:
