@@ -109,6 +109,7 @@ class Evolution:
         population, species_set, innovations = self._reproduce()
         networks, gene = self._decode(population.pool)
         rollouts = engine.evaluate(networks, self._episode_seeds(), spec.plasticity)
+        rollouts = fail_where_mean_overflows(rollouts)
         worst = min((row.best_fitness for row in history), default=0.0)
         population = replace(population, fitness=finite_fitness(rollouts, fallback=worst))
         learned = keep_inherited_where_failed(networks, rollouts)
@@ -165,13 +166,25 @@ class Evolution:
 COLUMNS = tuple(column.name for column in fields(Generation))
 
 
+def mean_returns(rollouts: Rollouts) -> npt.NDArray[np.float64]:
+    """Return the mean return of each network, float64[P]: inf or NaN if it overflows."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        means: npt.NDArray[np.float64] = rollouts.returns.mean(axis=1)
+    return means
+
+
+def fail_where_mean_overflows(rollouts: Rollouts) -> Rollouts:
+    """Mark networks as failed whose mean return is not finite, though each return may be."""
+    return replace(rollouts, failed=rollouts.failed | ~np.isfinite(mean_returns(rollouts)))
+
+
 def finite_fitness(rollouts: Rollouts, fallback: float) -> npt.NDArray[np.float64]:
     """Return the mean return of each network (Algorithm 2, line 16), float64[P].
 
     A failed evaluation gets the next number below the generation's lowest finite fitness: ranked
     last, but not an outlier that would distort fitness sharing. If all failed, all get `fallback`.
     """
-    fitness: npt.NDArray[np.float64] = rollouts.returns.mean(axis=1)
+    fitness = mean_returns(rollouts)
     if not rollouts.failed.any():
         return fitness
     if rollouts.failed.all():

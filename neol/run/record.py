@@ -59,7 +59,8 @@ class HeldOut(Model):
     mean: float | None
     """Mean over the episodes that did not fail."""
     sd: float | None
-    """Standard deviation over these episodes (ddof = 1); null with fewer than two."""
+    """Standard deviation over these episodes (ddof = 1); null with fewer than two, or if it is too
+    large for a float."""
 
     @classmethod
     def of(cls, returns: npt.NDArray[np.float64]) -> Self:
@@ -67,9 +68,23 @@ class HeldOut(Model):
         finite = returns[np.isfinite(returns)].tolist()
         return cls(
             returns=tuple(value if np.isfinite(value) else None for value in returns.tolist()),
-            mean=statistics.fmean(finite) if finite else None,
-            sd=statistics.stdev(finite) if len(finite) > 1 else None,
+            mean=_mean(finite) if finite else None,
+            sd=_standard_deviation(finite) if len(finite) > 1 else None,
         )
+
+
+def _mean(values: Sequence[float]) -> float:
+    try:
+        return statistics.fmean(values)
+    except OverflowError:  # of the sum; the slower mean is exact
+        return statistics.mean(values)
+
+
+def _standard_deviation(values: Sequence[float]) -> float | None:
+    try:
+        return statistics.stdev(values)
+    except OverflowError:
+        return None
 
 
 class SeedInfo(Model):

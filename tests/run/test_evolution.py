@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pytest
 
 from neol.network.forward import Networks
+from neol.random.seeds import Stream, generator
 from neol.rollout.engine import Rollouts
 from neol.rollout.reference import ReferenceEngine
 from neol.run.evolution import Evolution, finite_fitness
@@ -122,6 +123,30 @@ def test_a_failed_evaluation_is_the_worst() -> None:
     assert fitness[1] == np.nextafter(-2.0, -np.inf), "worse than any other, and hardly so"
     all_failed = Rollouts(returns[1:2], steps[1:2], empty, empty, failed[1:2])
     assert finite_fitness(all_failed, fallback=-9.0).tolist() == [-9.0]
+
+
+class Generous(ReferenceEngine):
+    """Plays CartPole, and replaces the first network's returns by the largest floats."""
+
+    def evaluate(
+        self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
+    ) -> Rollouts:
+        rollouts = super().evaluate(networks, seeds, plasticity)
+        rollouts.returns[0] = np.finfo(np.float64).max
+        return rollouts
+
+
+def test_a_mean_return_that_overflows_is_a_failed_evaluation() -> None:
+    evolution = Evolution.begin(run_spec("oja", 0, "evaluation.episodes=2"), 4, 2)
+    inherited = evolution.reproduction.initial_population(
+        evolution.spec.population, generator(evolution.spec.seed, Stream.INITIAL)
+    )
+    row = evolution.step(Generous(evolution.spec.task))
+    first, *others = evolution.state.population
+    assert row.failed_evaluations == 1
+    assert first.fitness == np.nextafter(min(g.fitness for g in others), -np.inf)
+    assert (first.connections == inherited[0].connections).all(), "it does not keep what it learned"
+    assert row.best_fitness == max(genome.fitness for genome in others)
 
 
 class XorEngine:

@@ -46,6 +46,12 @@ def test_held_out_mean_and_spread() -> None:
     assert HeldOut.of(np.array([1.0])).sd is None
 
 
+def test_held_out_returns_whose_sum_overflows_have_a_mean() -> None:
+    held_out = HeldOut.of(np.array([1e308, 1.5e308]))
+    assert (held_out.mean, held_out.sd) == (1.25e308, pytest.approx(5e307 / 2**0.5))
+    assert HeldOut.of(np.array([-1.7e308, 1.7e308])).sd is None, "no float is so large"
+
+
 def test_runs_of_one_cell_join_by_seed() -> None:
     spec = run_spec(generations=2)
     one, other = (evolve(spec, [seed]) for seed in (4, 0))
