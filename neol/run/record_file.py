@@ -30,6 +30,10 @@ MAX_RECORD_BYTES = 2**28
 MAX_ROWS = 10_000_000
 MAX_METADATA_BYTES = 2**24
 """Several hundred seeds; a reader takes up to 25 times as much memory."""
+SEED_BYTES = 2**15
+"""Metadata of a run without its held-out returns; up to 21,000 bytes in the shipped records."""
+RETURN_BYTES = len(",-2.2250738585072014e-308")
+"""The longest number and its comma."""
 
 
 class RecordMetadata(Model):
@@ -58,7 +62,7 @@ def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> 
     )
     text = canonical_json(metadata.model_dump(mode="json"))
     if len(text) > MAX_METADATA_BYTES:
-        raise UserError(f"{path}: would be too large for one record; run fewer seeds at a time")
+        raise UserError(f"{path}: would be too large for one record; give it fewer seeds")
     buffer = io.BytesIO()
     with pq.ParquetWriter(buffer, SCHEMA, compression="zstd", use_dictionary=False) as writer:
         writer.write_table(record.table)
@@ -66,6 +70,12 @@ def write_record(path: Path, record: Record, *, scratch: Path | None = None) -> 
             {"neol": text.decode(), "neol_digest": _digest(text, record.table)}
         )
     write_atomically(path, buffer.getvalue(), scratch=scratch)
+
+
+def most_seeds(spec: RunSpec) -> int:
+    """Return how many seeds fit into one record, unless champions are unusually large."""
+    seed = SEED_BYTES + RETURN_BYTES * spec.evaluation.held_out_episodes
+    return MAX_METADATA_BYTES // seed
 
 
 def read_record(path: Path, spec: RunSpec | None = None) -> Record:

@@ -21,7 +21,13 @@ from neol.run.checkpoint import TimeSpent, read_checkpoint, write_checkpoint
 from neol.run.evolution import Evolution, Generation
 from neol.run.provenance import checkout, provenance
 from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, join
-from neol.run.record_file import first_difference, read_record, read_spec, write_record
+from neol.run.record_file import (
+    first_difference,
+    most_seeds,
+    read_record,
+    read_spec,
+    write_record,
+)
 from neol.run.workspace import checkpoint_path, claim, finished_path, partial_folder
 from neol.spec.run_spec import RunSpec
 from neol.spec.types import LARGEST_SEED
@@ -151,6 +157,7 @@ def run_block(
                 raise UserError(
                     f"{workspace}: has an interrupted run; continue with --resume, or remove it"
                 )
+            _refuse_too_many_seeds(output, spec, seeds)
             _refuse_other_work(workspace, spec, seeds)
             with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
                 records = [
@@ -255,13 +262,21 @@ def _distinct(seeds: Sequence[int]) -> list[int]:
     return ordered
 
 
+def _refuse_too_many_seeds(output: Path, spec: RunSpec, seeds: Sequence[int]) -> None:
+    if len(seeds) > (most := most_seeds(spec)):
+        raise UserError(
+            f"{output}: {len(seeds)} seeds with {spec.evaluation.held_out_episodes} held-out "
+            f"episodes each may be too large for one record; run at most {most} seeds at a time"
+        )
+
+
 def _refuse_other_work(workspace: Path, spec: RunSpec, seeds: Sequence[int]) -> None:
     ours = {finished_path(workspace, seed).stem for seed in seeds}
     others = sorted({path.stem for path in workspace.glob("seed_*")} - ours)
     if others:
         raise UserError(
             f"{workspace}: contains {others[0]}, which is not among the requested seeds; "
-            "resume with all its seeds, or remove it"
+            "resume with all its seeds, or move the others to another output's .partial folder"
         )
     for path in sorted(workspace.glob("seed_*.parquet")):
         if difference := first_difference(read_spec(path), spec):

@@ -252,4 +252,4 @@ def test_metadata_beyond_all_measure_are_not_parsed(
     record = read_record(path)
     monkeypatch.setattr(record_file, "MAX_METADATA_BYTES", 1000)
     assert "its metadata are larger than 1000 bytes" in refusal(read_record, path)
-    assert "run fewer seeds at a time" in refusal(record_file.write_record, path, record)
+    assert "give it fewer seeds" in refusal(record_file.write_record, path, record)

@@ -203,6 +203,32 @@ def test_interrupted_work_is_neither_lost_nor_mixed(tmp_path: Path) -> None:
     assert block(output, seeds=(0, 1, 5), resume=True).seeds[2].seed == 5
 
 
+def test_more_seeds_than_a_record_holds_are_refused_before_simulating(tmp_path: Path) -> None:
+    spec, output = run_spec("oja", 0, "evaluation.held_out_episodes=100000"), tmp_path / "a.parquet"
+    with pytest.raises(
+        UserError,
+        match=r"a\.parquet: 50 seeds with 100000 held-out episodes each may be too large for one "
+        r"record; run at most 6 seeds at a time",
+    ):
+        block(output, spec, seeds=tuple(range(50)), on_generation=killer(0, 1, AssertionError))
+    assert names(tmp_path) == []
+
+
+def test_finished_seeds_can_be_moved_to_another_output(tmp_path: Path) -> None:
+    output, other = tmp_path / "run.parquet", tmp_path / "other.parquet"
+    with pytest.raises(KeyboardInterrupt):
+        block(output, on_generation=killer(1, 2, KeyboardInterrupt))
+    with pytest.raises(UserError, match=r"or move the others to another output's \.partial folder"):
+        block(output, seeds=(1,), resume=True, on_generation=killer(1, 3, AssertionError))
+    (tmp_path / "other.parquet.partial").mkdir()
+    (tmp_path / "run.parquet.partial" / "seed_000000.parquet").rename(
+        tmp_path / "other.parquet.partial" / "seed_000000.parquet"
+    )
+    block(other, seeds=(0,), resume=True, on_generation=killer(0, 1, AssertionError))
+    block(output, seeds=(1,), resume=True, on_generation=killer(1, 1, AssertionError))
+    assert names(tmp_path) == ["other.parquet", "run.parquet"]
+
+
 def test_a_block_killed_before_it_could_clean_up(tmp_path: Path) -> None:
     output = tmp_path / "run.parquet"
     with pytest.raises(KeyboardInterrupt):
