@@ -47,8 +47,11 @@ class Answer:
     whole: Finding | None
     seeds: int
     """Seeds of each method at the last complete look."""
+    level: float
+    """Coverage of its intervals: 1 minus the level of this look's tests."""
     p: float
-    """Two-sided p-value of the whole, corrected for all looks; NaN where 0 is not tested."""
+    """Two-sided p-value of the whole, corrected for all looks; NaN where 0 is not tested, or cannot
+    be by these runs."""
     p_holm: float
     """The p-value corrected also over the question's family (Holm)."""
     compatible: bool | None
@@ -87,6 +90,8 @@ class _Asked:
     seeds: int
     number: int | None
     """Number of the look."""
+    lack: tuple[Verdict, str] | None
+    """Why these runs cannot answer it, as a verdict and its reason; None if they can."""
     fresh: Effect | None
 
 
@@ -95,7 +100,7 @@ def answers(questions: Sequence[Question], outcomes: Outcomes) -> tuple[Answer, 
     asked = [_ask(question, outcomes) for question in questions]
     ours = _corrected(
         questions,
-        [_effect(each.whole, "ours") if each.number is not None else None for each in asked],
+        [None if each.lack else _effect(each.whole, "ours") for each in asked],
         [each.number or 0 for each in asked],
         unanswered=1.0,
     )
@@ -122,7 +127,8 @@ def _ask(question: Question, outcomes: Outcomes) -> _Asked:
     fresh = None
     if end > LOOKS[0]:
         fresh = _effect(evidence(question, Runs(outcomes, LOOKS[0], end), ALPHA).whole, "ours")
-    return _Asked(question, found.parts, found.whole, end, number, fresh)
+    lack = _lack(found.parts, end, number, outcomes)
+    return _Asked(question, found.parts, found.whole, end, number, lack, fresh)
 
 
 def _effect(whole: Evidence | None, name: Literal["ours", "paper"]) -> Effect | None:
@@ -137,7 +143,7 @@ def _corrected(
 ) -> list[tuple[float, float]]:
     """Return repeated p-values, and the same with Holm's correction over each family.
 
-    `unanswered` is the p-value with which a question without an effect counts in its family; NaN
+    `unanswered` is the p-value with which a question whose effect is None counts in its family; NaN
     if it does not count.
     """
     p = [
@@ -165,11 +171,10 @@ def _answer(asked: _Asked, outcomes: Outcomes, p: float, p_holm: float, papers_p
     ours, paper = _effect(whole, "ours"), _effect(whole, "paper")
     states = {part.state for part in parts}
     verdict, reason = judge(question, states, whole, p_holm, alpha)
-    lack = _lack(asked, outcomes, verdict)
     if question.by_construction:
         verdict, reason = "holds by construction", question.by_construction
-    elif lack:
-        verdict, reason = lack
+    elif asked.lack and not _is_reached(asked, verdict):
+        verdict, reason = asked.lack
     papers: Verdict | None = None
     if whole is not None and paper is not None:
         last = level(len(LOOKS) - 1)
@@ -182,6 +187,7 @@ def _answer(asked: _Asked, outcomes: Outcomes, p: float, p_holm: float, papers_p
         parts,
         decided,
         asked.seeds,
+        1 - alpha,
         p,
         p_holm,
         None if ours is None or paper is None else paper.predicts(ours, alpha),
@@ -191,20 +197,27 @@ def _answer(asked: _Asked, outcomes: Outcomes, p: float, p_holm: float, papers_p
     )
 
 
-def _lack(asked: _Asked, outcomes: Outcomes, verdict: Verdict) -> tuple[Verdict, str] | None:
-    """Return why the question cannot be answered here; None if it can."""
-    cells = [cell for part in asked.parts for cell in part.cells]
-    if not all(part.cells and part.papers_cells for part in asked.parts):
+def _lack(
+    parts: Sequence[Evidence], seeds: int, number: int | None, outcomes: Outcomes
+) -> tuple[Verdict, str] | None:
+    """Return why a question cannot be answered here; None if it can."""
+    cells = [cell for part in parts for cell in part.cells]
+    if not all(part.cells and part.papers_cells for part in parts):
         return "not asked here", "the budget lacks the paper's cells"
-    if leading(outcomes, cells) < asked.seeds or not asked.seeds:
+    if leading(outcomes, cells) < seeds or not seeds:
         return "not asked here", "runs are missing"
-    if asked.number is None:
-        return "not asked here", f"{asked.seeds} seeds; the first look takes {LOOKS[0]}"
+    if number is None:
+        return "not asked here", f"{seeds} seeds; the first look takes {LOOKS[0]}"
     generations = min(outcomes.budget.generations_of(cell.task) for cell in cells)
-    reached = asked.question.kind == "ceiling" and verdict == "reproduced"
-    if generations < PAPER_GENERATIONS and not reached:
+    if generations < PAPER_GENERATIONS:
         return "too short", f"{generations} of {PAPER_GENERATIONS} generations"
     return None
+
+
+def _is_reached(asked: _Asked, verdict: Verdict) -> bool:
+    """Return whether short runs have reached a maximum already, which more cannot change."""
+    is_short = asked.lack is not None and asked.lack[0] == "too short"
+    return is_short and asked.question.kind == "ceiling" and verdict == "reproduced"
 
 
 def _finding(question: Question, part: Evidence, outcomes: Outcomes, alpha: float) -> Finding:

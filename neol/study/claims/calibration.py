@@ -22,7 +22,7 @@ from neol.study.claims.answers import Answer, answers
 from neol.study.claims.ledger import PAPERS_WORDS
 from neol.study.claims.looks import LOOKS
 from neol.study.claims.questions import RULES, load_questions
-from neol.study.claims.verdicts import Verdict
+from neol.study.claims.verdicts import AGAINST, FOR, UNASKED, Verdict
 from neol.study.outcomes.outcomes import METRICS, Outcomes
 from neol.study.outcomes.paper_numbers import values
 from neol.study.outcomes.statistics import Floats
@@ -33,11 +33,14 @@ TRUTHS = {
     "null": "every method is NEAT",
     "shift": "every rule is one standard deviation above NEAT and NEAT (w/o)",
     "one better": "BCM is one standard deviation above all others, which are alike",
+    "rates": "every rule's means differ between learning rates, alike for all rules",
     "paper": "every cell has the mean and the deviation that the paper prints for its method",
 }
 """Made-up worlds; NEAT's means and deviations are the paper's."""
+MIDDLE_RATE = 0.01
+"""Between the two lower and the two higher learning rates of the grid."""
 COLUMNS = ("support", "reproduced", "contradiction", "open")
-SUPPORT: tuple[Verdict, ...] = ("reproduced", "same direction", "mixed")
+SUPPORT: tuple[Verdict, ...] = (*FOR, "mixed")
 
 
 @dataclass(frozen=True)
@@ -105,9 +108,9 @@ def frequencies(truth: str, studies: int, seed: int = 0) -> pd.DataFrame:
             tested = at_looks if last.question.family else (last,)
             of["support"] += any(each.verdict in SUPPORT for each in tested)
             of["reproduced"] += last.verdict == "reproduced"
-            of["contradiction"] += last.verdict in ("not reproduced", "equivalent to zero")
+            of["contradiction"] += last.verdict in AGAINST
             of["open"] += last.verdict == "inconclusive"
-            of["asked"] += last.verdict not in ("holds by construction", "not asked here")
+            of["asked"] += last.verdict not in ("holds by construction", *UNASKED)
     rows = [
         {"question": name, "papers": papers[name]}
         | {column: of[column] / studies for column in COLUMNS}
@@ -152,9 +155,11 @@ def _truth(truth: str, cell: Cell, metric: str) -> tuple[float, float]:
     table = (2, 8) if score else (1, 7)
     mean, sd = values(table[method == "neat_wo"])[cell.task, method]
     assert sd is not None
-    better = {"null": (), "shift": RULES, "one better": ("bcm",), "paper": ()}[truth]
-    shift = sd if cell.method in better and cell.task != "cartpole" else 0.0
-    return mean + shift, sd
+    better = {"shift": RULES, "one better": ("bcm",)}.get(truth, ())
+    shift = 1.0 if cell.method in better else 0.0
+    if truth == "rates" and cell.learning_rate is not None:
+        shift = 0.0 if cell.learning_rate < MIDDLE_RATE else -1.0
+    return mean + shift * sd * (cell.task != "cartpole"), sd
 
 
 if __name__ == "__main__":

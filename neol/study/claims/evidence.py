@@ -155,18 +155,21 @@ def _interaction(question: Interaction, runs: Runs) -> Answered:
 def _sensitivity(question: Sensitivity, runs: Runs) -> Answered:
     grid = Side(cells="grid")
 
-    def of_task(task: str, other: Rule) -> Evidence:
-        first, second = (choose(runs.outcomes, grid, task, each) for each in (question.rule, other))
+    def of_task(task: str, others: Sequence[Rule]) -> Evidence:
+        choices = [choose(runs.outcomes, grid, task, rule) for rule in (question.rule, *others)]
 
-        def effect() -> Effect:
-            varied = [_between_rates(each, runs, question.outcome) for each in (first, second)]
-            return combined([(1, varied[0]), (-1, varied[1])])
+        def effect() -> Effect | None:
+            if any(len({cell.learning_rate for cell in each.cells}) < 2 for each in choices):
+                return None
+            varied, *rest = (_between_rates(each, runs, question.outcome) for each in choices)
+            return combined([(1, varied), *((-1 / len(rest), each) for each in rest)])
 
-        label = f"{task}: {question.rule} beside {other}"
-        return _measured(label, (first, second), runs, effect, None)
+        label = f"{task}: {question.rule} beside {', '.join(others)}"
+        return _measured(label, choices, runs, effect, None)
 
-    parts = [of_task(task, other) for task, other in product(question.tasks, question.than)]
-    return Answered(tuple(parts), _averaged(parts))
+    parts = [of_task(task, [other]) for task, other in product(question.tasks, question.than)]
+    whole = _averaged([of_task(task, question.than) for task in question.tasks])
+    return Answered(tuple(parts), whole)
 
 
 def _rank(question: Rank, runs: Runs, alpha: float) -> Answered:

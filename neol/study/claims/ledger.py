@@ -15,7 +15,8 @@ from neol.study.claims import verdicts
 from neol.study.claims.answers import Answer, Finding
 from neol.study.claims.effect import Effect
 from neol.study.claims.plan import frozen_plan
-from neol.study.claims.questions import Claim
+from neol.study.claims.questions import Claim, Question
+from neol.study.claims.units import in_print, unit_of
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_NOTE
 from neol.study.outcomes.statistics import ALPHA
@@ -35,7 +36,10 @@ PAPERS_WORDS: dict[str, str] = {
 
 
 def as_table(answers: Sequence[Answer]) -> pd.DataFrame:
-    """Return a row for each part of each question, and one for the whole, at full precision."""
+    """Return a row for each part of each question, and one for the whole, at full precision.
+
+    Effects on spread are logarithms of ratios of standard deviations.
+    """
     return pd.DataFrame([row for answer in answers for row in _rows(answer)])
 
 
@@ -48,6 +52,8 @@ def _rows(answer: Answer) -> Iterator[dict[str, Any]]:
         "reason": answer.reason,
         "papers_verdict": answer.papers and PAPERS_WORDS.get(answer.papers, answer.papers),
         "tasks": ",".join(question.tasks),
+        "seeds": answer.seeds,
+        "level": answer.level,
     }
     whole = {
         "for": answer.counts["for"],
@@ -58,13 +64,18 @@ def _rows(answer: Answer) -> Iterator[dict[str, Any]]:
         "p_holm": answer.p_holm,
         "compatible": answer.compatible,
         "seeds_needed": answer.seeds_needed,
-        "fresh_effect": math.nan if answer.fresh is None else answer.fresh.value,
-        "fresh_error": math.nan if answer.fresh is None else answer.fresh.error,
-    }
+    } | dict(zip(("fresh_effect", "fresh_low", "fresh_high"), _fresh(answer), strict=True))
     numbers = {} if answer.whole is None else _numbers(answer.whole)
-    yield about | {"part": WHOLE, "seeds": answer.seeds} | numbers | whole
+    yield about | {"part": WHOLE} | numbers | whole
     for part in answer.parts:
-        yield about | {"part": part.evidence.label, "seeds": answer.seeds} | _numbers(part)
+        yield about | {"part": part.evidence.label} | _numbers(part)
+
+
+def _fresh(answer: Answer) -> tuple[float, float, float]:
+    """Return the effect of seeds 10 and up alone, with its 95% interval; NaN without one."""
+    if answer.fresh is None:
+        return math.nan, math.nan, math.nan
+    return answer.fresh.value, *answer.fresh.interval()
 
 
 def _numbers(finding: Finding) -> dict[str, Any]:
@@ -101,7 +112,7 @@ def as_markdown(answers: Sequence[Answer], claims: Sequence[Claim], budget: str)
         (verdicts.__doc__ or "").strip(),
         markdown.table(
             ["question", "verdict", "parts for / against / open", "effect [interval]",
-             "the paper's effect [95%]", "the paper's own numbers", "seeds"],
+             "the paper's effect [95%]", "unit", "the paper's own numbers", "seeds (interval)"],
             [_summary(answer) for answer in answers],
         ),
     ]  # fmt: skip
@@ -113,21 +124,23 @@ def as_markdown(answers: Sequence[Answer], claims: Sequence[Claim], budget: str)
 
 def as_latex(answers: Sequence[Answer], budget: str) -> str:
     """Return the summary as a long table for \\input; it needs booktabs and longtable."""
-    head = "Question & Verdict & Parts & Effect [interval] & Paper & Its own & $n$ \\\\"
+    head = "Question & Verdict & Parts & Effect [interval] & Paper & Unit & Its own & $n$ \\\\"
     rows = [
         "  " + " & ".join(map(escape, [answer.question.ask, *_summary(answer)[1:]])) + " \\\\"
         for answer in answers
     ]
     caption = (
         "The questions that the paper's claims raise. Parts: for / against / open. Effect: of all "
-        "rules together, with the interval of the last complete look. Paper: the effect that its "
-        f"tables print. Its own: the verdict on these numbers by the same rules. {budget}"
+        "rules together, with the interval of the last complete look, whose coverage stands beside "
+        "the number of seeds. Paper: the effect that its tables print, with a 95% interval. Its "
+        f"own: the verdict on these numbers by the same rules. {budget}"
     )
     return "\n".join(
         [
             "\\begingroup\\footnotesize\\setlength{\\tabcolsep}{3pt}",
-            "\\begin{longtable}{p{0.27\\linewidth}p{0.11\\linewidth}p{0.08\\linewidth}"
-            "p{0.17\\linewidth}p{0.17\\linewidth}p{0.09\\linewidth}r}",
+            "\\begin{longtable}{p{0.21\\linewidth}p{0.11\\linewidth}p{0.08\\linewidth}"
+            "p{0.15\\linewidth}p{0.15\\linewidth}p{0.07\\linewidth}p{0.08\\linewidth}"
+            "p{0.07\\linewidth}}",
             f"  \\caption*{{{escape(caption)}}}\\\\",
             "  \\toprule",
             f"  {head}",
@@ -145,17 +158,23 @@ def as_latex(answers: Sequence[Answer], budget: str) -> str:
 
 def _summary(answer: Answer) -> list[str]:
     whole, counts = answer.whole, answer.counts
-    ours = _effect(whole.evidence.ours, whole.low, whole.high) if whole else "--"
+    question = answer.question
     paper = whole.evidence.paper if whole else None
     return [
-        f"[{answer.question.id}](#{_anchor(answer)})",
+        f"[{question.id}](#{_anchor(answer)})",
         answer.verdict,
         f"{counts['for']} / {counts['against']} / {counts['open']}",
-        ours,
-        _effect(paper, *paper.interval(1 - ALPHA)) if paper else "--",
+        _effect(question, whole.evidence.ours, whole.low, whole.high) if whole else "--",
+        _effect(question, paper, *paper.interval(1 - ALPHA)) if paper else "--",
+        unit_of(question) or "--",
         "--" if answer.papers is None else PAPERS_WORDS.get(answer.papers, answer.papers),
-        str(answer.seeds or "--"),
+        seeds_and_level(answer.seeds, answer.level),
     ]
+
+
+def seeds_and_level(seeds: int, level: float) -> str:
+    """Return a number of seeds, with the coverage of the intervals at its look: 20 (98.8%)."""
+    return f"{seeds} ({100 * level:.4g}%)" if seeds else "--"
 
 
 def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
@@ -170,14 +189,20 @@ def _section(answer: Answer, quotes: Sequence[Claim]) -> list[str]:
     if not math.isnan(answer.seeds_needed) and answer.verdict == "inconclusive":
         lines.append(f"Detecting the paper's effect takes about {answer.seeds_needed:.0f} seeds.")
     if answer.fresh is not None:
-        low, high = answer.fresh.interval()
-        lines.append(f"Seeds 10 and up alone: {_effect(answer.fresh, low, high)} (95%).")
+        alone = _effect(question, answer.fresh, *answer.fresh.interval())
+        lines.append(f"Seeds 10 and up alone: {alone} (95%).")
     rows = [
-        [_label(part), part.state or "--", _effect(part.evidence.ours, part.low, part.high),
-         "--" if part.evidence.paper is None else three_figures(part.evidence.paper.value)]
+        [
+            _label(part),
+            part.state or "--",
+            _effect(question, part.evidence.ours, part.low, part.high),
+            three_figures(*in_print(question, _value(part.evidence.paper))),
+        ]
         for part in answer.parts
-    ]  # fmt: skip
-    lines.append(markdown.table(["part", "is", "effect [interval]", "the paper's effect"], rows))
+    ]
+    unit = unit_of(question) and f" ({unit_of(question)})"
+    head = ["part", "is", f"effect{unit} [interval]", "the paper's effect"]
+    lines.append(markdown.table(head, rows))
     if any(part.near_control for part in answer.parts):
         lines.append(NEAR_CONTROL_NOTE)
     lines += [f"> {markdown.escape(each.quote)} ({markdown.escape(each.place)})" for each in quotes]
@@ -192,8 +217,12 @@ def _anchor(answer: Answer) -> str:
     return f"{answer.question.id}-{answer.verdict.replace(' ', '-')}"
 
 
-def _effect(effect: Effect | None, low: float, high: float) -> str:
-    return with_interval(math.nan if effect is None else effect.value, low, high)
+def _effect(question: Question, effect: Effect | None, low: float, high: float) -> str:
+    return with_interval(*in_print(question, _value(effect), low, high))
+
+
+def _value(effect: Effect | None) -> float:
+    return math.nan if effect is None else effect.value
 
 
 def write_ledger(

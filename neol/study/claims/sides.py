@@ -24,6 +24,9 @@ _TABLES = {
 _PRINTED = {"final_best": ("table3", "table4"), "score": ("largest",)}
 """Choices of cells whose means the paper prints, by outcome."""
 
+CHOOSING, TESTED = slice(0, None, 2), slice(1, None, 2)
+"""Seeds that choose the best of several cells, and those on which it is tested."""
+
 
 @dataclass(frozen=True, slots=True)
 class Choice:
@@ -41,8 +44,8 @@ class Choice:
         table = np.array([of_cell[cell] for cell in self.cells])
         if not self.one_of or len(self.cells) == 1:
             return table
-        best = int(np.argmax(table[:, 0::2].mean(axis=1)))
-        return table[best : best + 1, 1::2]
+        best = int(np.argmax(table[:, CHOOSING].mean(axis=1)))
+        return table[best : best + 1, TESTED]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +68,15 @@ class Runs:
     def summaries(
         self, sides: Sequence[Sequence[Choice]], outcome: Metric, statistic: Statistic = "mean"
     ) -> list[Summary]:
-        """Summarise each of some sides that are compared: its methods together."""
+        """Summarise each of some sides that are compared: its methods together.
+
+        Where only some of a side's methods have a chosen cell, all have that cell's seeds.
+        """
         tables = iter(self.tables([choice for side in sides for choice in side], outcome))
         return [
             Summary.of_runs(
-                np.concatenate([next(tables) for _ in side]), spread=statistic == "spread"
+                np.concatenate(_of_same_seeds([next(tables) for _ in side])),
+                spread=statistic == "spread",
             )
             for side in sides
         ]
@@ -111,6 +118,12 @@ def printed(
     found = [table.get((task, method), (None, None)) for method in methods]
     numbers = [(mean, sd) for mean, sd in found if mean is not None and sd is not None]
     return Summary.printed(numbers, PAPER_SEEDS) if len(numbers) == len(found) else None
+
+
+def _of_same_seeds(tables: Sequence[Floats]) -> list[Floats]:
+    """Keep the tested seeds of every table if one table has no others."""
+    fewest = min(table.shape[1] for table in tables)
+    return [table if table.shape[1] == fewest else table[:, TESTED] for table in tables]
 
 
 def _of_size(cells: Iterable[Cell], population: int) -> tuple[Cell, ...]:

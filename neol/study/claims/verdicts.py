@@ -41,6 +41,11 @@ Verdict = Literal[
     "not asked here",
     "holds by construction",
 ]
+FOR: tuple[Verdict, ...] = ("reproduced", "same direction")
+"""Verdicts for the paper; "mixed" is for it in part."""
+AGAINST: tuple[Verdict, ...] = ("not reproduced", "equivalent to zero")
+UNASKED: tuple[Verdict, ...] = ("too short", "not asked here")
+"""Verdicts of questions that a budget is too small for."""
 
 
 def expects(question: Question) -> Expect | None:
@@ -93,6 +98,8 @@ def judge(
     expect = expects(question)
     if expect in ("equal", "not_lower"):
         state = state_of(ours, expect, whole.margin, alpha)
+        if state == "for" and "against" in states:
+            return "mixed", "a part points the other way"
         return _OF_STATE[state], ""
     return _of_difference(ours, whole.paper, expect == "lower", whole.margin, p_holm, alpha, states)
 

@@ -9,14 +9,14 @@ from neol.study.campaign.grid import blocks, home
 from neol.study.campaign.shown import with_tasks
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import Question, load_questions
+from neol.study.claims.verdicts import UNASKED
+from neol.study.outcomes.campaign_runs import Campaign
 
-UNASKED = ("too short", "not asked here")
-"""Verdicts of questions that a budget is too small for."""
 OPEN = (*UNASKED, "inconclusive")
 """Verdicts that further runs may replace."""
 
 
-def costs_by_task(configuration: Configuration, ledger: pd.DataFrame) -> list[list[str]]:
+def costs_by_task(campaign: Campaign, ledger: pd.DataFrame) -> list[list[str]]:
     """Return a head, then a row for each task of the paper.
 
     A row has the open questions on this task alone and on several tasks, how many of the paper's
@@ -25,7 +25,7 @@ def costs_by_task(configuration: Configuration, ledger: pd.DataFrame) -> list[li
     whole = ledger[ledger["part"] == WHOLE].set_index("question")["verdict"]
     waiting = [each for each in load_questions() if whole[each.id] in OPEN]
     papers, named = (
-        load_configuration(PAPER_BUDGET, changes, reading=configuration.reading)
+        load_configuration(PAPER_BUDGET, changes, reading=campaign.configuration.reading)
         for changes in ([], ["budget.configurations=tables"])
     )
     rows = [
@@ -46,7 +46,7 @@ def costs_by_task(configuration: Configuration, ledger: pd.DataFrame) -> list[li
                 task_label(task),
                 str(alone),
                 str(len(asked) - alone),
-                f"{_runs(configuration, papers, task):,} of {_runs(papers, papers, task):,}",
+                f"{_runs_here(campaign, papers, task):,} of {_runs(papers, task):,}",
                 _hours(papers, task),
                 _hours(named, task),
             ]
@@ -58,13 +58,15 @@ def _tasks(question: Question) -> set[str]:
     return {*question.tasks, *getattr(question, "than_tasks", ())}
 
 
-def _runs(configuration: Configuration, papers: Configuration, task: str) -> int:
-    """Count a configuration's runs of a task that are part of the paper's budget."""
-    return sum(
-        len(block.seeds)
-        for block in blocks(configuration)
-        if block.cell.task == task and block.home == home(papers)
-    )
+def _runs_here(campaign: Campaign, papers: Configuration, task: str) -> int:
+    """Count the campaign's runs of a task that have records and are part of the paper's budget."""
+    here = blocks(campaign.configuration)
+    cells = {each.cell for each in here if each.cell.task == task and each.home == home(papers)}
+    return sum(len(campaign.runs(cell).cpu_seconds) for cell in cells)
+
+
+def _runs(papers: Configuration, task: str) -> int:
+    return sum(len(block.seeds) for block in blocks(papers) if block.cell.task == task)
 
 
 def _hours(configuration: Configuration, task: str) -> str:

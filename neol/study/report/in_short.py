@@ -13,6 +13,7 @@ from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import load_questions
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
+from neol.study.report.speciation import crowded_cells
 from neol.study.report.words import marked_name
 
 TERMS = (
@@ -28,7 +29,7 @@ ANSWERS = {
     "same direction": "Yes, but by another amount",
     "mixed": "Not all of them",
     "not reproduced": "No",
-    "equivalent to zero": "No, there is no difference",
+    "equivalent to zero": "No, any difference is below the margin",
 }
 """Verdicts that are answers, from the paper's side to the other, and what each answers."""
 
@@ -44,14 +45,19 @@ class Point(NamedTuple):
         return f"**{self.lead}** {self.text}"
 
 
-def in_short(ledger: pd.DataFrame, effects: pd.DataFrame, selection: pd.DataFrame) -> list[Point]:
-    """Return the points, from the tables of verdicts, of effects and of selection bias."""
-    return [
+def in_short(
+    ledger: pd.DataFrame, effects: pd.DataFrame, selection: pd.DataFrame, species: pd.DataFrame
+) -> list[Point]:
+    """Return the points: from the tables of verdicts, effects, selection bias and species."""
+    points = [
         Point("The paper's questions.", questions_answered(ledger)),
         Point("The rules against NEAT.", against_neat(effects)),
         Point("Is that learning?", is_it_learning(effects)),
         Point("In fresh episodes.", in_fresh_episodes(selection)),
     ]
+    if crowded := crowded_cells(species):
+        points.insert(3, Point("Or is it speciation?", in_crowded_cells(crowded)))
+    return points
 
 
 def questions_answered(ledger: pd.DataFrame) -> str:
@@ -75,15 +81,18 @@ def questions_answered(ledger: pd.DataFrame) -> str:
 
 
 def against_neat(effects: pd.DataFrame) -> str:
-    """Say which planned tests of a rule against NEAT hold after correction for their number."""
+    """Say which tests of single rules against NEAT hold after correction for their number."""
     rules = _there(effects, of_rules=True)
     tests = rules[rules["against"] == "neat"].dropna(subset="p_holm")
     held = tests[tests["p_holm"] < ALPHA]
     if tests.empty:
-        return "No planned test could be made."
+        return "No test could be made."
     verb = "holds" if len(held) == 1 else "hold"
-    share = f"Of {len(tests)} planned tests, {len(held) or 'none'} {verb} after Holm's correction"
-    return f"{share}{f': {_compared(held)}' if len(held) else ''}."
+    return (
+        f"Of {len(tests)} tests of single rules, {len(held) or 'none'} {verb} after Holm's "
+        f"correction{f': {_compared(held)}' if len(held) else ''}. They are not corrected for "
+        "earlier looks at fewer seeds, nor SCORE's for the choice of the best learning rate."
+    )
 
 
 def is_it_learning(effects: pd.DataFrame) -> str:
@@ -97,18 +106,29 @@ def is_it_learning(effects: pd.DataFrame) -> str:
             f"NEAT too: {_compared(ablation, named=False)}."
         )
     if len(others):
-        learned = others[_differs(others) & ~others["near_control"].eq(True)]
-        said.append(
-            f"From NEAT (w/o) the rules differ in {len(learned) or 'none'} of {len(others)} "
-            f"comparisons, uncorrected{f': {_compared(learned)}' if len(learned) else ''}."
-        )
-        still = int(others["near_control"].eq(True).sum())
-        if still:
+        moving = others[~others["near_control"].eq(True)]
+        learned = moving[_differs(moving)]
+        if len(moving):
             said.append(
-                f"In {still} of these comparisons the rule hardly moves a weight "
-                f"({NEAR_CONTROL_MARK}), so they cannot show learning."
+                f"From NEAT (w/o) the rules differ in {len(learned) or 'none'} of {len(moving)} "
+                f"comparisons, uncorrected{f': {_compared(learned)}' if len(learned) else ''}."
+            )
+        if still := len(others) - len(moving):
+            said.append(
+                f"In {still} {'other comparisons' if len(moving) else 'comparisons'} the rule "
+                f"hardly moves a weight ({NEAR_CONTROL_MARK}), so they cannot show learning."
             )
     return " ".join(said) or "No run of NEAT (w/o) is there to tell."
+
+
+def in_crowded_cells(crowded: str) -> str:
+    """Say in which cells the number of species alone may explain the outcome."""
+    return (
+        "Weights that a rule has changed are inherited and count in the distance between genomes, "
+        "so high learning rates make many species. In some cells the places that every species "
+        f"keeps fill the population in most generations, which nearly stops selection: {crowded}. "
+        "Low values there need not come from learning itself."
+    )
 
 
 def in_fresh_episodes(selection: pd.DataFrame) -> str:

@@ -7,12 +7,13 @@ variation over seeds: the questions of three families in paper/questions.yaml.
 from collections.abc import Hashable, Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from neol.pictures.labels import listed, method_label, task_label, three_figures, with_interval
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import Difference, load_questions
+from neol.study.claims.units import in_print
+from neol.study.claims.verdicts import AGAINST, FOR
 from neol.study.report.in_short import ANSWERS, Point
 
 CLAIMED = {
@@ -21,8 +22,6 @@ CLAIMED = {
     "spread": "vary less over seeds (ratio of SDs)",
 }
 """Families of the main claims' questions, and what each says of the rules."""
-FOR = ("reproduced", "same direction")
-AGAINST = ("not reproduced", "equivalent to zero")
 ABOUT = (
     "Each answer has the effect of all rules together with the interval of its look, then the "
     "effect that the paper prints. A dash: the paper's configurations were not run, or with too "
@@ -78,9 +77,7 @@ def by_task(ledger: pd.DataFrame) -> list[list[str]]:
     grid: dict[tuple[str, str], dict[str, str]] = {}
     for question in main_questions():
         claim = (CLAIMED[str(question.family)], method_label(str(question.against.method)))
-        grid.setdefault(claim, {})[question.tasks[0]] = _answer(
-            rows[question.id], is_ratio=question.statistic == "spread"
-        )
+        grid.setdefault(claim, {})[question.tasks[0]] = _answer(question, rows[question.id])
     if {NOT_RUN} == {each for answers in grid.values() for each in answers.values()}:
         return []
     tasks = list(next(iter(grid.values())))
@@ -98,12 +95,12 @@ def _lead(sides: Mapping[str, int], decided: int) -> str:
     return "Yes, where these runs decide." if decided == sides["for the paper"] else "In part."
 
 
-def _answer(row: Mapping[Hashable, Any], *, is_ratio: bool) -> str:
+def _answer(question: Difference, row: Mapping[Hashable, Any]) -> str:
     """Return an answer with its effect: No: -83.2 [-132, -34.2], the paper 12.0."""
     verdict = row["verdict"]
     if verdict == "not asked here":
         return NOT_RUN
     answer = (ANSWERS | UNDECIDED)[verdict]
-    numbers = np.array([row[name] for name in ("effect", "low", "high", "paper_effect")], float)
-    effect, low, high, paper = np.exp(numbers) if is_ratio else numbers
+    numbers = (row[name] for name in ("effect", "low", "high", "paper_effect"))
+    effect, low, high, paper = in_print(question, *numbers)
     return f"{answer}: {with_interval(effect, low, high)}, the paper {three_figures(paper)}"

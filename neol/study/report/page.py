@@ -24,7 +24,9 @@ from neol.spec.configuration import ROOT
 from neol.study.campaign.shown import snakemake_options
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.plan import frozen_plan
-from neol.study.claims.questions import Difference, Interaction, Question, load_questions
+from neol.study.claims.questions import load_questions
+from neol.study.claims.units import in_print
+from neol.study.claims.verdicts import UNASKED
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.output.captions import describe_budget, lacking
 from neol.study.output.sidecar import INPUTS, Sidecar
@@ -38,20 +40,16 @@ from neol.study.report.common import (
     verified_table,
 )
 from neol.study.report.embedding import short_gif, small_png
-from neol.study.report.further_runs import UNASKED
 from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
 from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
 from neol.study.report.results import answered
 from neol.study.report.showcase import Showcase, Shown
+from neol.study.report.speciation import species_by_cell
 from neol.study.workflow.exhibits import Exhibit, exhibits
 
 NAMES = TASK_LABELS | METHOD_LABELS
 """What readers call tasks and methods."""
-UNITS = {"final_best": "return", "score": "SCORE", "held_out": "return"}
-"""Units of outcomes."""
-SCALES = {"sd": "standard deviations of a run", "relative": "shares of the baseline's mean"}
-"""Units of effects that are not in their outcome's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +73,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
     """
     configuration = campaign.configuration
     ledger = verified_frame(figures / "claims.csv")
+    effects = verified_frame(figures / "beyond_effects.csv")
     selection = verified_frame(figures / "beyond_selection.csv")
     questions = _answered(ledger)
     budget = configuration.budget
@@ -97,7 +96,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         main_claims=by_task(ledger),
         about_main_claims=ABOUT,
         terms=" ".join(TERMS),
-        in_short=in_short(ledger, verified_frame(figures / "beyond_effects.csv"), selection),
+        in_short=in_short(ledger, effects, selection, species_by_cell(campaign)),
         levels=levels_reached(selection),
         questions=questions,
         decided=[each for each in questions if each["verdict"] not in UNASKED],
@@ -134,24 +133,14 @@ def _answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
     """Return each question with its answer, its unit and its parts by their labels."""
     parts = ledger[ledger["part"] != WHOLE]
     parts = parts.assign(part=parts["part"].map(_readable))
-    units = {question.id: unit_of(question) for question in load_questions()}
+    for question in load_questions():
+        here = parts["question"] == question.id
+        for column in ("effect", "low", "high", "paper_effect"):
+            parts.loc[here, column] = in_print(question, *parts.loc[here, column])
     return [
-        row
-        | {
-            "parts": parts[parts["question"] == row["question"]].to_dict("records"),
-            "unit": units[row["question"]],
-        }
+        row | {"parts": parts[parts["question"] == row["question"]].to_dict("records")}
         for row in answered(ledger)
     ]
-
-
-def unit_of(question: Question) -> str:
-    """Return the unit of a question's effects; empty for a question without one."""
-    if isinstance(question, Difference) and question.statistic == "spread":
-        return "logarithm of a ratio of standard deviations"
-    if isinstance(question, Difference) and question.scale in SCALES:
-        return SCALES[question.scale]
-    return UNITS[question.outcome] if isinstance(question, Difference | Interaction) else ""
 
 
 def _readable(label: str) -> str:

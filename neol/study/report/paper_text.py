@@ -39,6 +39,7 @@ from neol.study.report.common import command_line, verified_frame, verified_tabl
 from neol.study.report.in_short import in_short
 from neol.study.report.levels import levels_reached
 from neol.study.report.main_claims import do_they_hold
+from neol.study.report.speciation import crowded_cells, species_by_cell, species_by_task
 from neol.study.tables.table import Table, latex_entry
 from neol.study.workflow.exhibits import EXHIBITS, TABLES
 
@@ -112,19 +113,21 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
     sensitivity = verified_frame(figures / "beyond_sensitivity.csv")
     selection = verified_frame(figures / "beyond_selection.csv")
     ledger = verified_frame(figures / "claims.csv")
+    species = species_by_cell(campaign)
     return {
         "differences": _items(words.differences(effects, FITNESS, "neat")),
         "differencesablation": _items(words.differences(effects, FITNESS, "neat_wo")),
         "inshort": "".join(
             rf"\item \textbf{{{escape(point.lead)}}} {escape(point.text.replace('`', ''))} "
-            for point in [do_they_hold(ledger), *in_short(ledger, effects, selection)]
+            for point in [do_they_hold(ledger), *in_short(ledger, effects, selection, species)]
         ),
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(levels_reached(selection)),
         "plan": escape(frozen_plan().replace("`", "")),
         "sensitiveconstants": _items(words.sensitive_constants(sensitivity)),
         "trials": escape(describe_trials(configuration)),
-        "onespecies": _items(words.one_species(campaign)),
+        "species": _items(species_by_task(species)),
+        "crowded": escape(crowded_cells(species) or "none"),
     }
 
 

@@ -16,10 +16,13 @@ from neol.pictures.labels import listed, task_label, three_figures, with_interva
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.cost import core_hours
+from neol.study.campaign.grid import cells
 from neol.study.campaign.shown import chosen_tasks, snakemake_options
-from neol.study.claims.ledger import WHOLE
+from neol.study.claims.ledger import WHOLE, seeds_and_level
 from neol.study.claims.plan import frozen_plan
-from neol.study.claims.questions import load_claims, load_questions
+from neol.study.claims.questions import Question, load_claims, load_questions
+from neol.study.claims.units import in_print, unit_of
+from neol.study.claims.verdicts import UNASKED
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
 from neol.study.output.captions import (
@@ -34,10 +37,11 @@ from neol.study.output.captions import (
 )
 from neol.study.report import words
 from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
-from neol.study.report.further_runs import OPEN, UNASKED, costs_by_task
+from neol.study.report.further_runs import OPEN, costs_by_task
 from neol.study.report.in_short import TERMS, in_short
 from neol.study.report.levels import levels_reached
 from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
+from neol.study.report.speciation import crowded_cells, species_by_cell, species_by_task
 from neol.study.tables.agreement import differing
 
 COMPARED = {
@@ -64,6 +68,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
     ledger = verified_frame(figures / "claims.csv")
     effects = verified_frame(figures / "beyond_effects.csv")
     selection = verified_frame(figures / "beyond_selection.csv")
+    species = species_by_cell(campaign)
     questions = answered(ledger)
     spent = costs(campaign)
     estimated = core_hours(configuration)
@@ -76,12 +81,13 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         lacking=lacking(campaign),
         commit=sidecar.code(12),
         runs=spent["runs"]["all"],
+        further_runs=_further_runs(campaign, figures / "claims.csv"),
         figures=figures.as_posix(),
         title=_title(configuration),
         do_they_hold=do_they_hold(ledger).markdown(),
         main_claims=by_task(ledger),
         about_main_claims=ABOUT,
-        in_short=[point.markdown() for point in in_short(ledger, effects, selection)],
+        in_short=[point.markdown() for point in in_short(ledger, effects, selection, species)],
         levels=levels_reached(selection),
         against_neat=words.effects_table(effects, "neat"),
         against_ablation=words.effects_table(effects, "neat_wo"),
@@ -100,14 +106,23 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         not_asked=sum(row["verdict"] == "not asked here" for row in questions),
         plan=frozen_plan(),
         open_count=int(ledger.loc[ledger["part"] == WHOLE, "verdict"].isin(OPEN).sum()),
-        cost_by_task=costs_by_task(configuration, ledger),
+        cost_by_task=costs_by_task(campaign, ledger),
         papers_budget="nothing" if papers is None else three_figures(papers),
         estimated="nothing" if estimated is None else three_figures(estimated),
         spent=three_figures(spent["core_hours"]["all"]),
         trials=describe_trials(configuration),
-        one_species=words.one_species(campaign),
+        species=species_by_task(species),
+        crowded=crowded_cells(species),
+        kept=configuration.neat.min_species_size,
         sensitivity=words.sensitive_constants(verified_frame(figures / "beyond_sensitivity.csv")),
     )
+
+
+def _further_runs(campaign: Campaign, claims: Path) -> int:
+    """Count the runs of other budgets that answers are made from: those of the two-by-two."""
+    own = {source.path for source in campaign.sources(cells(campaign.configuration))}
+    _, sidecar = verified(claims)
+    return sum(len(record.runs) for record in sidecar.records if record.path not in own)
 
 
 def _title(configuration: Configuration) -> str:
@@ -137,10 +152,18 @@ def answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
     rows = ledger[ledger["part"] == WHOLE].to_dict("records")
     for row in rows:
         name = row["question"]
+        question = asked[name]
+
+        def printed(*columns: str, question: Question = question, row: Any = row) -> str:
+            return with_interval(*in_print(question, *(row[column] for column in columns)))
+
         row |= {
-            "ask": asked[name].ask,
-            "ours": with_interval(row["effect"], row["low"], row["high"]),
-            "papers": with_interval(row["paper_effect"], row["paper_low"], row["paper_high"]),
+            "ask": question.ask,
+            "unit": unit_of(question) or "--",
+            "ours": printed("effect", "low", "high"),
+            "papers": printed("paper_effect", "paper_low", "paper_high"),
+            "fresh": printed("fresh_effect", "fresh_low", "fresh_high"),
+            "seeds_and_level": seeds_and_level(row["seeds"], row["level"]),
             "quotes": [claim for claim in claims if name in claim.questions],
         }
     return rows

@@ -7,14 +7,10 @@ methods are not distinguishable.
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from neol.pictures.labels import listed, method_label, task_label, three_figures, with_interval
-from neol.study.campaign.grid import cells
-from neol.study.campaign.methods import shown_methods
 from neol.study.campaign.variants import BASELINE, variants
-from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.tables.table import Table
@@ -76,7 +72,7 @@ def effects_table(effects: pd.DataFrame, against: str) -> list[list[str]]:
 
 
 def after_correction(effects: pd.DataFrame) -> str:
-    """Say how many of the declared tests remain significant after correction."""
+    """Say how many tests of single rules remain significant after correction."""
     tested = effects.dropna(subset="p_holm")
     significant = tested[tested["p_holm"] < ALPHA]
     named = "; ".join(
@@ -85,7 +81,7 @@ def after_correction(effects: pd.DataFrame) -> str:
         for row in significant.to_dict("records")
     )
     return (
-        f"Of {len(tested)} tests of the declared family (Welch's, two-sided), {len(significant)} "
+        f"Of {len(tested)} tests of single rules (Welch's, two-sided), {len(significant)} "
         f"have p < {ALPHA} after Holm's correction{f': {named}' if named else ''}."
     )
 
@@ -118,26 +114,6 @@ def sensitive_constants(table: pd.DataFrame) -> list[str]:
             f"baseline's: {names}."
         )
     return sentences
-
-
-def one_species(campaign: Campaign) -> list[str]:
-    """Return for each task the share of generations in which a method had a single species."""
-    shares: dict[str, dict[str, list[float]]] = {}
-    for cell in cells(campaign.configuration):
-        species = campaign.runs(cell).rows["species"]
-        if len(species):
-            of_task = shares.setdefault(cell.task, {})
-            of_task.setdefault(cell.method, []).append((species == 1).mean())
-    return [
-        f"{task_label(task)}: "
-        + ", ".join(
-            f"{method_label(method)} {np.mean(of_task[method]):.0%}"
-            for method in shown_methods(campaign.configuration.budget)
-            if method in of_task
-        )
-        + "."
-        for task, of_task in shares.items()
-    ]
 
 
 def _comparison(effects: pd.DataFrame, outcome: str, against: str) -> pd.DataFrame:

@@ -8,8 +8,16 @@ import pytest
 
 from neol.study.claims.answers import Answer, answers
 from neol.study.claims.calibration import made_up_studies
-from neol.study.claims.ledger import as_latex, as_markdown, as_table, count_words
+from neol.study.claims.ledger import (
+    as_latex,
+    as_markdown,
+    as_table,
+    count_words,
+    seeds_and_level,
+)
+from neol.study.claims.looks import LOOKS, level
 from neol.study.claims.questions import load_claims, load_questions
+from neol.study.claims.units import in_print, unit_of
 
 
 @cache
@@ -49,7 +57,7 @@ def test_latex_has_a_row_for_each_question() -> None:
     text = as_latex(found(), "Budget made up.")
     rows = text.split("\\endhead")[1].split("\\bottomrule")[0].strip().splitlines()
     assert len(rows) == len(found())
-    assert all(row.count(" & ") == 6 and row.endswith(r" \\") for row in rows)
+    assert all(row.count(" & ") == 7 and row.endswith(r" \\") for row in rows)
 
 
 def test_seeds_needed_are_stated_where_more_seeds_would_help() -> None:
@@ -67,3 +75,36 @@ def test_verdicts_are_counted() -> None:
         replace(three, verdict="too short"),
     ]
     assert count_words(some) == "2 mixed, 1 too short"
+
+
+@pytest.mark.parametrize(
+    ("question", "unit", "printed"),
+    [
+        ("final-neat-hopper", "return", 0.5),
+        ("score-neat-hopper", "SCORE", 0.5),
+        ("spread-neat-hopper", "ratio of SDs", math.exp(0.5)),
+        ("competitive", "SDs of a run", 0.5),
+        ("continuous-relative", "share of the baseline's mean", 0.5),
+        ("two-by-two", "SDs of a run", 0.5),
+        ("cartpole-ceiling", "", 0.5),
+    ],
+)
+def test_effects_have_the_unit_in_which_they_are_computed(
+    question: str, unit: str, printed: float
+) -> None:
+    (asked,) = (each for each in load_questions() if each.id == question)
+    assert unit_of(asked) == unit
+    assert in_print(asked, 0.5) == (printed,)
+
+
+def test_seeds_stand_beside_the_coverage_of_their_interval() -> None:
+    assert [seeds_and_level(n, 1 - level(place)) for place, n in enumerate(LOOKS)] == [
+        "10 (99.98%)", "20 (98.8%)", "30 (95.37%)",
+    ]  # fmt: skip
+    assert seeds_and_level(0, 0.95) == "--"
+
+
+def test_more_than_ten_seeds_are_also_shown_without_the_first_ten() -> None:
+    whole = as_table(found()).set_index(["question", "part"]).xs("all", level="part")
+    alone = whole.loc["final-neat-lunar-lander", ["fresh_low", "fresh_effect", "fresh_high"]]
+    assert alone.is_monotonic_increasing and alone.notna().all()

@@ -1,5 +1,6 @@
 """Every verdict once more, from records and from made-up runs, by code of its own."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ import pytest
 
 from neol.spec.configuration import ROOT
 from neol.spec.readings import DEFAULT_READING
-from neol.study.campaign.shown import select
+from neol.study.campaign.grid import RESULTS, blocks
+from neol.study.campaign.shown import DEFAULT_BUDGET, select, two_by_two
 from neol.study.claims.answers import answers
 from neol.study.claims.calibration import MadeUp, made_up_studies
 from neol.study.claims.ledger import as_table
@@ -19,27 +21,26 @@ from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import gather
 from tests.study.claims.second_opinion import Study, opinions
 
+RECORDS = ROOT / RESULTS
 COLUMNS = ["effect", "low", "high", "p_holm", "for", "against", "open"]
 
 
 class Records(Study):
     """Shipped records, read as plain Parquet."""
 
-    def __init__(self, folder: Path, tasks: list[str]) -> None:
+    def __init__(self, paths: list[Path]) -> None:
         self.histories: dict[Any, pd.DataFrame] = {}
         rows = []
-        for path in sorted(folder.rglob("seeds_*.parquet")):
-            task, method, cell = path.relative_to(folder).parts[:3]
-            if task not in tasks:
-                continue
+        for path in sorted(paths):
+            task, method, cell = path.parts[-4:-1]
             size, _, rate = cell.removeprefix("p").partition("_lr")
             frame = pq.read_table(path).to_pandas()
             key = task, method, int(size), float(rate) if rate else None
             self.histories[key] = pd.concat([self.histories.get(key, frame[:0]), frame])
-        largest = max(key[2] for key in self.histories)
         generations = {}
         for (task, method, size, rate), frame in self.histories.items():
             generations[task] = int(frame["generation"].max())
+            largest = max(key[2] for key in self.histories if key[0] == task)
             samples = 1e8 * generations[task] * largest / (500 * 300)
             for seed, run in frame.sort_values("generation").groupby("seed"):
                 best = run["best_fitness"].to_numpy()
@@ -84,13 +85,21 @@ def agree(ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("reading", "budget", "tasks"),
-    [("first", "desk", ""), (DEFAULT_READING, "demo", ""), ("first", "paper", "cartpole")],
+    [
+        (DEFAULT_READING, DEFAULT_BUDGET, ""),
+        (DEFAULT_READING, "demo", ""),
+        ("first", "desk", ""),
+        ("first", "paper", "cartpole"),
+    ],
 )
 def test_shipped_records_give_the_same_verdicts(reading: str, budget: str, tasks: str) -> None:
     configuration = select(budget, tasks, reading)
-    ours = as_table(answers(load_questions(), gather(Campaign(configuration, ROOT / "results"))))
-    folder = ROOT / "results" / reading / budget
-    agree(ours, opinions(Records(folder, list(configuration.budget.tasks))))
+    all_of = [configuration, *two_by_two(configuration)]
+    ours = as_table(
+        answers(load_questions(), gather(*(Campaign(each, RECORDS) for each in all_of)))
+    )
+    paths = [RECORDS / block.record for each in all_of for block in blocks(each)]
+    agree(ours, opinions(Records([path for path in paths if path.exists()])))
 
 
 def as_frame(made_up: MadeUp) -> Study:
@@ -113,9 +122,11 @@ OUTCOMES = ["final_best", "score", "equal_evaluations"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("truth", ["null", "shift", "paper"])
-def test_made_up_studies_give_the_same_verdicts(truth: str) -> None:
-    """Made-up runs have 30 seeds and 500 generations, where every verdict is possible."""
-    made_up = next(made_up_studies(truth))
+@pytest.mark.parametrize(
+    ("truth", "seeds"), [("null", 30), ("shift", 30), ("paper", 30), ("paper", 20), ("rates", 10)]
+)
+def test_made_up_studies_give_the_same_verdicts(truth: str, seeds: int) -> None:
+    """Made-up runs have 500 generations, where every verdict is possible."""
+    made_up = replace(next(made_up_studies(truth)), available=seeds)
     ours = as_table(answers(load_questions(), made_up))
     agree(ours, opinions(as_frame(made_up)))

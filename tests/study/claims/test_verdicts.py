@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from neol.spec.configuration import load_configuration
-from neol.study.campaign.grid import Cell
+from neol.study.campaign.grid import Cell, cells
 from neol.study.claims.answers import Answer, answers
 from neol.study.claims.calibration import MadeUp, made_up_studies
 from neol.study.claims.questions import load_questions
@@ -108,6 +108,41 @@ def test_missing_tasks_count_in_their_family() -> None:
     found = answer(NEAT, study(LANDER))
     assert found.p_holm == pytest.approx(6 * found.p)
     assert answer("final-neat-hopper", study(LANDER)).verdict == "not asked here"
+
+
+def test_runs_that_cannot_answer_count_in_their_family_as_missing() -> None:
+    """Short runs of another task have an effect, but it makes no other question's p smaller."""
+    made_up = study(LANDER)
+    far = dict.fromkeys(("bcm", "hebb", "oja"), (900, 1)) | {"neat": (100, 1), "neat_wo": (100, 1)}
+    generations = {"cartpole": 500, "lunar_lander": 500, "hopper": 60, "bipedal_walker": 500}
+    there = replace(
+        made_up,
+        drawn={**made_up.drawn, **study(far, task="hopper").drawn},
+        budget=PAPER.budget.model_copy(update={"generations": generations}),
+    )
+    short = answer("final-neat-hopper", there)
+    assert short.verdict == "too short" and short.whole and short.whole.low > 0
+    assert np.isnan(short.p_holm)
+    assert answer(NEAT, there).p_holm == pytest.approx(6 * answer(NEAT, there).p)
+
+
+def test_a_rule_that_is_surely_lower_makes_competitive_mixed() -> None:
+    drawn = dict(PAPER.drawn)
+    for cell in PAPER.by_method["lunar_lander", "bcm"]:
+        drawn[cell, "final_best"] = 305 + Z
+    found = answer("competitive", replace(PAPER, drawn=drawn))
+    assert (found.verdict, found.counts["against"]) == ("mixed", 1)
+
+
+def test_rules_with_one_cell_and_with_several_are_averaged_over_the_same_seeds() -> None:
+    """By Tables 3 and 4 Hebb has two cells on Bipedal Walker, the other rules have one."""
+    tables = load_configuration("paper", ["budget.configurations=tables"])
+    by_method: dict[tuple[str, str], list[Cell]] = {}
+    for cell in cells(tables):
+        by_method.setdefault((cell.task, cell.method), []).append(cell)
+    found = answer("best-cells", replace(PAPER, by_method=by_method))
+    assert found.verdict == "not asked here"
+    assert found.whole and found.whole.evidence.ours
 
 
 def test_short_runs_decide_nothing_but_that_a_ceiling_is_reached() -> None:

@@ -19,6 +19,10 @@ def effects(*rows: dict[str, Any]) -> pd.DataFrame:
 
 
 HIGHER = {"low": 0.5, "p_holm": 0.01}
+NOT_CORRECTED = (
+    "They are not corrected for earlier looks at fewer seeds, nor SCORE's for the choice of the "
+    "best learning rate."
+)
 
 
 def test_questions_are_counted_by_verdict_and_answers_named() -> None:
@@ -39,14 +43,13 @@ def test_questions_are_counted_by_verdict_and_answers_named() -> None:
 def test_only_tests_that_hold_after_correction_are_named() -> None:
     rules = effects(HIGHER, {"method": "oja", "low": 0.5}, {"method": "hebb", "task": "cartpole"})
     assert in_short.against_neat(rules) == (
-        "Of 3 planned tests, 1 holds after Holm's correction: final fitness on Hopper (BCM higher)."
+        "Of 3 tests of single rules, 1 holds after Holm's correction: final fitness on Hopper "
+        f"(BCM higher). {NOT_CORRECTED}"
     )
     assert in_short.against_neat(effects({})) == (
-        "Of 1 planned tests, none hold after Holm's correction."
+        f"Of 1 tests of single rules, none hold after Holm's correction. {NOT_CORRECTED}"
     )
-    assert in_short.against_neat(effects({"p_holm": float("nan")})) == (
-        "No planned test could be made."
-    )
+    assert in_short.against_neat(effects({"p_holm": float("nan")})) == ("No test could be made.")
 
 
 def test_what_the_ablation_shares_is_no_learning() -> None:
@@ -57,8 +60,8 @@ def test_what_the_ablation_shares_is_no_learning() -> None:
     )
     assert in_short.is_it_learning(table) == (
         "NEAT without weight mutation (NEAT (w/o)), which does not learn either, differs from NEAT "
-        "too: SCORE on Hopper (higher). From NEAT (w/o) the rules differ in 1 of 2 comparisons, "
-        "uncorrected: final fitness on Hopper (BCM lower). In 1 of these comparisons the rule "
+        "too: SCORE on Hopper (higher). From NEAT (w/o) the rules differ in 1 of 1 comparisons, "
+        "uncorrected: final fitness on Hopper (BCM lower). In 1 other comparisons the rule "
         "hardly moves a weight (†), so they cannot show learning."
     )
     assert in_short.is_it_learning(table[:0]) == "No run of NEAT (w/o) is there to tell."

@@ -49,8 +49,9 @@ def test_the_confirmation_alone_decides(screened: Path) -> None:
     assert stage.budget == CONFIRMATION
     assert "**Compatible** in the confirmation with 10 other seeds: none." in text
     assert (
-        "**Explained by none**: NEAT, final best of the generation; NEAT, mean best of the "
-        "generation; NEAT, final best so far; NEAT, mean best so far."
+        "**Outside the interval under every confirmed reading**: NEAT, final best of the "
+        "generation; NEAT, mean best of the generation; NEAT, final best so far; "
+        "NEAT, mean best so far."
     ) in " ".join(text.split())
     assert "## Confirmation" in text and "## Screening" in text
 

@@ -6,7 +6,6 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.effects import FITNESS
 from neol.study.report import words
 
@@ -58,10 +57,6 @@ def test_rules_are_listed_side_by_side() -> None:
     ]
 
 
-def test_the_share_of_generations_with_one_species(campaign: Campaign) -> None:
-    assert words.one_species(campaign)[0].startswith("CartPole: BCM ")
-
-
 def test_no_run_is_no_comparison() -> None:
     table = effects(seeds=0, difference=math.nan, low=math.nan, high=math.nan)
     (sentence,) = words.differences(table, FITNESS, "neat")
@@ -71,7 +66,7 @@ def test_no_run_is_no_comparison() -> None:
 def test_tests_are_counted_after_correction() -> None:
     table = pd.concat([effects(p_holm=0.01), effects(p_holm=0.05), effects(p_holm=math.nan)])
     assert words.after_correction(table).startswith(
-        "Of 2 tests of the declared family (Welch's, two-sided), 1 have"
+        "Of 2 tests of single rules (Welch's, two-sided), 1 have"
     )
     assert words.after_correction(table).endswith(
         "correction: final fitness, Hopper, BCM against NEAT."

@@ -1,0 +1,69 @@
+"""How many species the populations had, which decides what speciation did to a method's runs."""
+
+from collections.abc import Hashable, Mapping
+from typing import Any
+
+import pandas as pd
+
+from neol.pictures.labels import listed, method_label, task_label
+from neol.study.campaign.grid import cells
+from neol.study.campaign.methods import shown_methods
+from neol.study.outcomes.campaign_runs import Campaign
+
+
+def species_by_cell(campaign: Campaign) -> pd.DataFrame:
+    """Return a row for each cell with runs: its place in the grid, and means over generations.
+
+    `species` is their number, `single` the share of generations with one, `crowded` the share in
+    which the places that every species keeps (`min_species_size`) fill the population.
+    """
+    kept = campaign.configuration.neat.min_species_size
+    rows = []
+    order = shown_methods(campaign.configuration.budget)
+    shown = [cell for cell in cells(campaign.configuration) if cell.method in order]
+    for cell in sorted(shown, key=lambda cell: order.index(cell.method)):
+        species = campaign.runs(cell).rows["species"]
+        if len(species):
+            crowded = species * kept >= cell.population
+            shares = species.mean(), (species == 1).mean(), crowded.mean()
+            rows.append((cell.task, cell.method, cell.population, cell.learning_rate, *shares))
+    columns = ["task", "method", "population", "learning_rate", "species", "single", "crowded"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def species_by_task(species: pd.DataFrame) -> list[str]:
+    """Say for each task how many species each method had on average, as a range over its cells."""
+    return [
+        f"{task_label(str(task))}: "
+        + ", ".join(
+            f"{method_label(str(method))} {_range(some['species'])}"
+            for method, some in rows.groupby("method", sort=False)
+        )
+        + "."
+        for task, rows in species.groupby("task", sort=False)
+    ]
+
+
+def crowded_cells(species: pd.DataFrame) -> str:
+    """Name the cells that are crowded in most generations; empty if there are none."""
+    return "; ".join(
+        f"{task_label(str(task))}, P = {population}: {listed(map(_named, rows.to_dict('records')))}"
+        for (task, population), rows in species[species["crowded"] > 0.5].groupby(
+            ["task", "population"], sort=False
+        )
+    )
+
+
+def _named(row: Mapping[Hashable, Any]) -> str:
+    rate = row["learning_rate"]
+    at_rate = "" if pd.isna(rate) else f" at rate {rate:g}"
+    return f"{method_label(str(row['method']))}{at_rate} ({row['species']:.0f} species)"
+
+
+def _range(values: "pd.Series[float]") -> str:
+    low, high = map(_rounded, (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
+
+
+def _rounded(value: float) -> str:
+    return f"{value:.0f}" if value >= 10 else f"{value:.1f}"

@@ -1,0 +1,26 @@
+"""How many species a method's populations had."""
+
+import pandas as pd
+
+from neol.study.outcomes.campaign_runs import Campaign
+from neol.study.report.speciation import crowded_cells, species_by_cell, species_by_task
+
+COLUMNS = ["task", "method", "population", "learning_rate", "species", "single", "crowded"]
+
+
+def test_every_cell_with_runs_has_a_row(campaign: Campaign) -> None:
+    found = species_by_cell(campaign)
+    assert list(found.columns) == COLUMNS
+    assert species_by_task(found)[0].startswith("CartPole: BCM ")
+
+
+def test_cells_whose_species_fill_the_population_are_named() -> None:
+    rows = [
+        ("lunar_lander", "bcm", 300, 0.25, 144.5, 0.0, 0.54),
+        ("lunar_lander", "bcm", 300, 0.025, 8.4, 0.08, 0.0),
+        ("lunar_lander", "neat", 300, None, 1.2, 0.78, 0.0),
+    ]
+    species = pd.DataFrame(rows, columns=COLUMNS)
+    assert crowded_cells(species) == "Lunar Lander, P = 300: BCM at rate 0.25 (144 species)"
+    assert crowded_cells(species[1:]) == ""
+    assert species_by_task(species) == ["Lunar Lander: BCM 8.4 to 144, NEAT 1.2."]
