@@ -26,7 +26,7 @@ help:
 	@echo 'make search               find readings that reproduce the baselines; hours (docs/readings-plan.md)'
 	@echo 'make multiverse           ask each question under 32 readings; an hour (docs/readings-plan.md)'
 	@echo 'make bench                measure speed; ten minutes, writes docs/benchmarks.*'
-	@echo 'make agreement            compare our NEAT with neat-python 0.92; 15 minutes, writes docs/neat-python.csv'
+	@echo 'make agreement            compare our NEAT with neat-python 0.92; minutes, writes docs/neat-python.csv'
 	@echo 'make environment          set up $(VENV) only'
 	@echo 'make lock                 add new dependencies to environment.lock; UPGRADE=1 updates all of it'
 	@echo 'make clean                remove $(VENV) and all caches; keeps results/ and figures/'

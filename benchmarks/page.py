@@ -13,14 +13,16 @@ from neol.study.campaign.cost import NEAT_POPULATION
 def page(table: Table, about: Mapping[str, str]) -> str:
     """docs/benchmarks.md."""
     sections = (_targets_section, _engines, _paths, _envpool, _runs, _shares, _kernels, _neat)
-    return "\n".join([_head(about), *(section(table) for section in sections)])
+    return "\n".join([_head(table, about), *(section(table) for section in sections)])
 
 
-def _head(about: Mapping[str, str]) -> str:
+def _head(table: Table, about: Mapping[str, str]) -> str:
     lines = "".join(f"- {name}: {text}\n" for name, text in about.items())
     return f"""# Benchmarks
 
 <!-- Written by `make bench` (python -m benchmarks.run) from benchmarks.csv: do not edit. -->
+
+{_result(table)}
 
 {lines}
 All measurements are from one interleaved run. In every round each contestant is measured once, and
@@ -35,8 +37,28 @@ The bars on the right omit shares below zero and are cut at 100%;
 """
 
 
+def _result(table: Table) -> str:
+    """Say how fast whole runs are and how many targets are met; explain the page's names."""
+    faster = [value for task in table.tasks if (value := table.get("times_faster", task))]
+    rows = _target_rows(table)
+    met = sum(row[-1] == "met" for row in rows)
+    runs = (
+        f"a whole run is {min(faster):.0f} to {max(faster):.0f} times as fast as" if faster else ""
+    )
+    return (
+        f"**Result**: {runs or 'no whole run was compared with'} *the peer*, the same algorithm "
+        f"written plainly on neat-python and Gymnasium; {met} of {len(rows)} targets are met. A "
+        "*path* is a way through Box2D's physics: vector instructions such as avx2, or `shortcut` "
+        "without them. *C* is the loop of network and plasticity written in C."
+    )
+
+
+def _target_rows(table: Table) -> list[list[str]]:
+    return [row for target in targets() if (row := target.row(table)) is not None]
+
+
 def _targets_section(table: Table) -> str:
-    rows = [row for target in targets() if (row := target.row(table)) is not None]
+    rows = _target_rows(table)
     header = ("what", "task", "target", "measured", "")
     return f"## Targets\n\n{markdown(header, rows)}"
 
