@@ -23,6 +23,7 @@ from neol.neat.genome import CONNECTION, NODE, Genome, check_genome
 from neol.neat.population import Population
 from neol.neat.species import Species, SpeciesSet
 from neol.run.evolution import Evolution, Generation, State
+from neol.run.provenance import UNKNOWN, Provenance
 from neol.spec.run_spec import RunSpec
 
 FORMAT = "neol checkpoint 2"
@@ -44,28 +45,30 @@ Each genome has its numbers of nodes and connections, each species its number of
 
 
 @dataclass(frozen=True, slots=True)
-class TimeSpent:
-    """Time that a run has taken so far, over all its resumptions."""
+class Past:
+    """Cost and provenance of a run so far, over all its resumptions."""
 
     wall_seconds: float = 0.0
     cpu_seconds: float = 0.0
     """CPU time of the process and its threads."""
+    provenance: Provenance | None = None
+    """None before the run begins."""
 
 
-def write_checkpoint(path: Path, evolution: Evolution, spent: TimeSpent) -> None:
+def write_checkpoint(path: Path, evolution: Evolution, past: Past) -> None:
     """Write a checkpoint of a run between two generations, atomically.
 
     Raises UserError if it cannot be written.
     """
-    arrays = _pack(evolution, spent)
+    arrays = _pack(evolution, past)
     arrays["seal"] = _seal(arrays)
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # no array is called allow_pickle
     write_atomically(path, buffer.getvalue())
 
 
-def read_checkpoint(path: Path, spec: RunSpec) -> tuple[Evolution, TimeSpent]:
-    """Read a run from a checkpoint, and the time that it has taken.
+def read_checkpoint(path: Path, spec: RunSpec) -> tuple[Evolution, Past]:
+    """Read a run from a checkpoint, and its cost and provenance so far.
 
     Raises UserError if the file is damaged, not a checkpoint, or of another run.
     """
@@ -86,14 +89,14 @@ def read_checkpoint(path: Path, spec: RunSpec) -> tuple[Evolution, TimeSpent]:
         raise _unusable(path, "a checkpoint of another run: other constants or another seed")
     try:
         evolution = _unpack(spec, meta, arrays)
-        spent = TimeSpent(float(meta["wall_seconds"]), float(meta["cpu_seconds"]))
+        past = Past(float(meta["wall_seconds"]), float(meta["cpu_seconds"]), _provenance(meta))
     except Exception as error:
         raise _unusable(path, f"damaged: {error}") from None
     if evolution.generation > spec.generations:
         raise _unusable(
             path, f"is at generation {evolution.generation}, beyond the last, {spec.generations}"
         )
-    return evolution, spent
+    return evolution, past
 
 
 def generations_done(path: Path) -> int:
@@ -131,7 +134,7 @@ def _seal(arrays: Arrays) -> npt.NDArray[np.uint8]:
     return np.frombuffer(digest.digest(), dtype=np.uint8)
 
 
-def _pack(evolution: Evolution, spent: TimeSpent) -> Arrays:
+def _pack(evolution: Evolution, past: Past) -> Arrays:
     state, species = evolution.state, evolution.state.species_set.species
     meta = {
         "format": FORMAT,
@@ -142,8 +145,9 @@ def _pack(evolution: Evolution, spent: TimeSpent) -> Arrays:
         "next_node": state.innovations.next_node,
         "next_species": state.species_set.next_id,
         "digest": state.digest,
-        "wall_seconds": spent.wall_seconds,
-        "cpu_seconds": spent.cpu_seconds,
+        "wall_seconds": past.wall_seconds,
+        "cpu_seconds": past.cpu_seconds,
+        "provenance": past.provenance and past.provenance.model_dump(mode="json"),
     }
     genomes = [*state.population, *(s.representative for s in species)]
     contents: dict[str, npt.ArrayLike] = {
@@ -156,6 +160,14 @@ def _pack(evolution: Evolution, spent: TimeSpent) -> Arrays:
     }
     arrays = {name: np.array(contents[name], dtype) for name, dtype in LAYOUT.items()}
     return {"meta": np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays}
+
+
+def _provenance(meta: dict[str, Any]) -> Provenance | None:
+    """Return the stored provenance; checkpoints of an earlier neol have none."""
+    if "provenance" not in meta:
+        return UNKNOWN
+    stored = meta["provenance"]
+    return None if stored is None else Provenance.model_validate_json(json.dumps(stored))
 
 
 def _unpack(spec: RunSpec, meta: dict[str, Any], arrays: Arrays) -> Evolution:

@@ -1,12 +1,16 @@
 """Provenance of a result: versions, commit, machine and time; no digest includes it."""
 
 import importlib.metadata
+import operator
 import os
 import platform
 import subprocess
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
 
 from neol.base.errors import UserError
 from neol.spec.types import Model
@@ -32,11 +36,43 @@ class Provenance(Model):
     cpu: str
     libc: str
     time: str
-    """End of the run: UTC, ISO 8601."""
+    """End of the run: UTC, ISO 8601. In `earlier`, when it began or was resumed there."""
+    earlier: Annotated[tuple["Provenance", ...], Field(exclude_if=operator.not_)] = ()
+    """Other code and machines that made the run's first part, before it was resumed; left out of a
+    record if there are none."""
+
+    def each(self) -> tuple["Provenance", ...]:
+        """Return the provenance of each part of the run, the last one at the end."""
+        return *self.earlier, self.model_copy(update={"earlier": ()})
+
+    def after(self, before: "Provenance | None") -> "Provenance":
+        """Return the provenance of a run that began with `before` and was resumed with this one.
+
+        Parts that differ only in time count as one.
+        """
+        mine, others = self._without_time(), before.each() if before else ()
+        earlier = tuple(each for each in others if each._without_time() != mine)
+        return self.model_copy(update={"earlier": earlier})
+
+    def _without_time(self) -> "Provenance":
+        return self.model_copy(update={"time": "", "earlier": ()})
 
     def code(self, digits: int | None = None) -> str:
         """Return the commit's first digits, with -dirty if code or constants differed."""
         return describe_checkout(self.commit, self.dirty, digits)
+
+
+UNKNOWN = Provenance(
+    versions={},
+    commit=None,
+    dirty=None,
+    host="unknown",
+    platform="unknown",
+    cpu="unknown",
+    libc="unknown",
+    time="unknown",
+)
+"""Provenance of generations in a checkpoint that states none, as those of an earlier neol."""
 
 
 def provenance() -> Provenance:

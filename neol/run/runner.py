@@ -17,7 +17,7 @@ from neol.base.errors import UserError
 from neol.neat.genome import Genome
 from neol.rollout import Engine, EngineName, make_engine
 from neol.rollout.environment import network_size
-from neol.run.checkpoint import TimeSpent, read_checkpoint, write_checkpoint
+from neol.run.checkpoint import Past, read_checkpoint, write_checkpoint
 from neol.run.evolution import Evolution, Generation
 from neol.run.provenance import checkout, provenance
 from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, join
@@ -50,7 +50,8 @@ class SeedResult:
     inputs: int
     outputs: int
     engine: str
-    time_spent: TimeSpent
+    past: Past
+    """Cost and provenance."""
 
 
 def run_seed(
@@ -68,15 +69,17 @@ def run_seed(
     misbehaves, or if all evaluations of the run failed.
     """
     if checkpoint is not None and checkpoint.exists():
-        evolution, spent = read_checkpoint(checkpoint, spec)
+        evolution, before = read_checkpoint(checkpoint, spec)
     else:
-        evolution, spent = Evolution.begin(spec, *network_size(spec.task)), TimeSpent()
+        evolution, before = Evolution.begin(spec, *network_size(spec.task)), Past()
     wall, cpu = time.perf_counter(), time.process_time()
+    made_by = provenance().after(before.provenance)
 
-    def time_spent() -> TimeSpent:
-        return TimeSpent(
-            spent.wall_seconds + time.perf_counter() - wall,
-            spent.cpu_seconds + time.process_time() - cpu,
+    def past() -> Past:
+        return Past(
+            before.wall_seconds + time.perf_counter() - wall,
+            before.cpu_seconds + time.process_time() - cpu,
+            made_by,
         )
 
     saved = evolution.generation
@@ -84,7 +87,7 @@ def run_seed(
     def save() -> None:
         nonlocal saved
         if checkpoint is not None and evolution.generation > saved:
-            write_checkpoint(checkpoint, evolution, time_spent())
+            write_checkpoint(checkpoint, evolution, past())
             saved = evolution.generation
 
     try:
@@ -118,7 +121,7 @@ def run_seed(
         inputs=evolution.reproduction.inputs,
         outputs=evolution.reproduction.outputs,
         engine=engine.name,
-        time_spent=time_spent(),
+        past=past(),
     )
 
 
@@ -244,9 +247,9 @@ def _record_of(result: SeedResult, budget: str | None, reading: str | None) -> R
         champion=Champion.of(result.champion),
         held_out=HeldOut.of(result.held_out_returns),
         engine=result.engine,
-        wall_seconds=result.time_spent.wall_seconds,
-        cpu_seconds=result.time_spent.cpu_seconds,
-        provenance=provenance(),
+        wall_seconds=result.past.wall_seconds,
+        cpu_seconds=result.past.cpu_seconds,
+        provenance=provenance().after(result.past.provenance),
     )
     table = history_table(info.seed, result.history)
     return Record(result.spec, budget, reading, table, (info,))

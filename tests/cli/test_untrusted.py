@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from neol.base.errors import UserError
 from neol.run import checkpoint
-from neol.run.checkpoint import Arrays, TimeSpent
+from neol.run.checkpoint import Arrays, Past
 from neol.run.record import SCHEMA
 from neol.run.record_file import read_record, read_spec
 from neol.spec import configuration as spec
@@ -70,7 +70,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("whole")
     make_campaign(folder / "smoke")
     (folder / "a.parquet").write_bytes((folder / "smoke" / OJA).read_bytes())
-    checkpoint.write_checkpoint(folder / "a.npz", started(run_spec(), 2), TimeSpent())
+    checkpoint.write_checkpoint(folder / "a.npz", started(run_spec(), 2), Past())
     (folder / "a.json").write_text(json.dumps(SIDECAR))
     (folder / "manifest.json").write_bytes((folder / "smoke" / "manifest.json").read_bytes())
     (folder / "a.yaml").write_bytes((CONFIG / "smoke.yaml").read_bytes())
@@ -210,8 +210,13 @@ KEYS = st.lists(
 )
 
 
+YAML = st.lists(st.sampled_from(TOKENS), max_size=3).map(
+    lambda tokens: b"".join(tokens).decode(errors="replace")
+)
+
+
 @fuzz
-@given(keys=KEYS, value=st.one_of(st.text(), HOSTILE.map(str), st.sampled_from(TOKENS).map(repr)))
+@given(keys=KEYS, value=st.one_of(st.text(), HOSTILE.map(str), YAML))
 def test_overrides_are_taken_or_give_one_clear_error(keys: list[str], value: str) -> None:
     survive(lambda: load_configuration("smoke", [f"{'.'.join(keys)}={value}"]))
 

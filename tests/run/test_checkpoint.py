@@ -13,14 +13,15 @@ from neol.base.errors import UserError
 from neol.neat.genome import CONNECTION
 from neol.rollout.reference import ReferenceEngine
 from neol.run import checkpoint
-from neol.run.checkpoint import Arrays, TimeSpent
+from neol.run.checkpoint import Arrays, Past
 from neol.run.evolution import Evolution, State
+from neol.run.provenance import provenance
 from neol.spec.run_spec import RunSpec
 from tests.helpers.damage import flipped, forge_checkpoint
 from tests.helpers.refusal import survive
 from tests.helpers.runs import evolve, run_spec, started
 
-SPENT = TimeSpent(1.5, 0.75)
+PAST = Past(1.5, 0.75, provenance())
 
 
 def finish(evolution: Evolution) -> Evolution:
@@ -69,18 +70,18 @@ def test_resumed_after_any_generation_equals_uninterrupted(
     path = tmp_path / "run.npz"
     for generation in range(1, spec.generations + 1):
         before = started(spec, generation)
-        checkpoint.write_checkpoint(path, before, SPENT)
-        after, spent = checkpoint.read_checkpoint(path, spec)
+        checkpoint.write_checkpoint(path, before, PAST)
+        after, past = checkpoint.read_checkpoint(path, spec)
         assert state(after) == state(before)
         assert after.state.population.pool.connections.dtype == CONNECTION
-        assert spent == SPENT
+        assert past == PAST
         assert state(finish(after)) == state(whole)
 
 
 def test_a_checkpoint_says_how_far_its_run_is(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
     assert checkpoint.generations_done(path) == 0
-    checkpoint.write_checkpoint(path, started(run_spec(), 2), SPENT)
+    checkpoint.write_checkpoint(path, started(run_spec(), 2), PAST)
     assert checkpoint.generations_done(path) == 2
     path.write_bytes(path.read_bytes()[:-9])
     assert checkpoint.generations_done(path) == 0
@@ -97,7 +98,7 @@ def test_a_state_stays_while_the_run_goes_on() -> None:
 
 def test_a_longer_run_goes_on_from_a_shorter_ones_checkpoint(tmp_path: Path) -> None:
     path, long = tmp_path / "run.npz", run_spec(generations=6)
-    checkpoint.write_checkpoint(path, evolve(run_spec(generations=3)), SPENT)
+    checkpoint.write_checkpoint(path, evolve(run_spec(generations=3)), PAST)
     assert state(finish(checkpoint.read_checkpoint(path, long)[0])) == state(evolve(long))
     with pytest.raises(UserError, match=r"run\.npz: is at generation 3, beyond the last, 2"):
         checkpoint.read_checkpoint(path, run_spec(generations=2))
@@ -105,7 +106,7 @@ def test_a_longer_run_goes_on_from_a_shorter_ones_checkpoint(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("other", [run_spec(seed=1), run_spec("hebb"), run_spec(population=9)])
 def test_another_runs_checkpoint_is_refused(other: RunSpec, tmp_path: Path) -> None:
-    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), PAST)
     with pytest.raises(UserError, match=r"run\.npz: a checkpoint of another run.*remove it"):
         checkpoint.read_checkpoint(tmp_path / "run.npz", other)
 
@@ -129,7 +130,7 @@ def test_what_is_no_checkpoint_is_refused(tmp_path: Path) -> None:
 @pytest.fixture(scope="module")
 def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("checkpoint") / "run.npz"
-    checkpoint.write_checkpoint(path, started(run_spec(), 2), SPENT)
+    checkpoint.write_checkpoint(path, started(run_spec(), 2), PAST)
     return path.read_bytes()
 
 
@@ -152,7 +153,7 @@ def test_damaged_anywhere_is_refused_or_the_same(
     loaded = survive(lambda: checkpoint.read_checkpoint(path, run_spec()), says="damaged.npz")
     if loaded is not None:  # a byte may mean nothing, such as one of a time in the zip's headers
         assert state(loaded[0]) == state(started(run_spec(), 2))
-        assert loaded[1] == SPENT
+        assert loaded[1] == PAST
 
 
 @pytest.mark.parametrize(
@@ -164,13 +165,13 @@ def test_an_impossible_state_is_refused_though_sealed(
 ) -> None:
     pack = checkpoint._pack
 
-    def planted(evolution: Evolution, spent: TimeSpent) -> checkpoint.Arrays:
-        arrays = pack(evolution, spent)
+    def planted(evolution: Evolution, past: Past) -> checkpoint.Arrays:
+        arrays = pack(evolution, past)
         arrays[name][field][-1] = value
         return arrays
 
     monkeypatch.setattr(checkpoint, "_pack", planted)
-    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), PAST)
     with pytest.raises(UserError, match=r"run\.npz: damaged: .*; remove it"):
         checkpoint.read_checkpoint(tmp_path / "run.npz", run_spec())
 
@@ -178,7 +179,7 @@ def test_an_impossible_state_is_refused_though_sealed(
 @pytest.mark.parametrize("name", checkpoint.LAYOUT)
 @pytest.mark.parametrize("kind", [np.float32, [("id", np.float64)]])
 def test_other_types_are_refused_though_sealed(name: str, kind: Any, tmp_path: Path) -> None:
-    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), PAST)
     forge_checkpoint(
         tmp_path / "run.npz",
         lambda arrays: arrays.update({name: np.zeros(len(arrays[name]), kind)}),
@@ -189,7 +190,7 @@ def test_other_types_are_refused_though_sealed(name: str, kind: Any, tmp_path: P
 
 @pytest.mark.parametrize("value", ["8", 8.0, -1, 2**63, None])
 def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: Path) -> None:
-    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), PAST)
 
     def change(arrays: Arrays) -> None:
         meta = json.loads(arrays["meta"].tobytes()) | {"next_node": value}
@@ -202,7 +203,7 @@ def test_impossible_counters_are_refused_though_sealed(value: object, tmp_path: 
 
 @pytest.mark.parametrize("change", [{"digest": 5}, {"digest": "hello"}, {"cpu_seconds": -1.0}])
 def test_other_values_are_refused_though_sealed(change: dict[str, object], tmp_path: Path) -> None:
-    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), SPENT)
+    checkpoint.write_checkpoint(tmp_path / "run.npz", started(run_spec(), 1), PAST)
 
     def forge(arrays: Arrays) -> None:
         meta = json.loads(arrays["meta"].tobytes()) | change

@@ -42,4 +42,4 @@ def test_time_and_host_are_in_no_trajectory_digest(record: Record) -> None:
     again = run_seed(SPEC, engine)
     engine.close()
     assert again.digest == record.seeds[0].digest
-    assert again.time_spent.wall_seconds != record.seeds[0].wall_seconds
+    assert again.past.wall_seconds != record.seeds[0].wall_seconds

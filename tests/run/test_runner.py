@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import json
 import shutil
 from collections.abc import Iterator
 from functools import cache
@@ -15,9 +16,11 @@ from neol.base.errors import UserError
 from neol.rollout.reference import ReferenceEngine
 from neol.run import checkpoint, provenance, runner, workspace
 from neol.run.evolution import Generation
+from neol.run.provenance import Provenance
 from neol.run.record import SeedInfo
 from neol.run.record_file import read_record
 from neol.run.runner import run_block, run_seed
+from tests.helpers.damage import forge_checkpoint
 from tests.helpers.runs import SPEC, block, evolve, killer, names, result, run_spec
 
 
@@ -81,6 +84,54 @@ def test_the_commit_is_that_which_the_run_began_with(monkeypatch: pytest.MonkeyP
     assert (info.provenance.commit, info.provenance.dirty) == ("before", False)
 
 
+def made_by(
+    commit: str, output: Path, monkeypatch: pytest.MonkeyPatch, *, dirty: bool = False, **kw: Any
+) -> Provenance:
+    """Run a block with one seed in a checkout of that commit."""
+    monkeypatch.setattr(provenance, "checkout", lambda: (commit, dirty))
+    return block(output, seeds=(0,), resume=True, **kw).seeds[0].provenance
+
+
+def test_a_resumed_run_names_all_code_that_made_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    output = tmp_path / "run.parquet"
+    for commit, generation in (("aaa", 1), ("bbb", 2), ("aaa", 3)):
+        with pytest.raises(KeyboardInterrupt):
+            stop = killer(0, generation, KeyboardInterrupt)
+            made_by(commit, output, monkeypatch, dirty=commit == "aaa", on_generation=stop)
+    last = made_by("ccc", output, monkeypatch)
+    assert [each.code() for each in last.each()] == ["bbb", "aaa-dirty", "ccc"]
+    assert read_record(output).seeds[0].provenance == last
+
+
+def test_a_run_resumed_by_the_same_code_names_it_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    output = tmp_path / "run.parquet"
+    with pytest.raises(KeyboardInterrupt):
+        made_by("aaa", output, monkeypatch, on_generation=killer(0, 2, KeyboardInterrupt))
+    made = made_by("aaa", output, monkeypatch)
+    assert made.earlier == ()
+    assert b"earlier" not in output.read_bytes(), "an older neol can read it"
+
+
+def test_a_checkpoint_without_provenance_is_of_unknown_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forget(arrays: checkpoint.Arrays) -> None:
+        meta = json.loads(arrays["meta"].tobytes())
+        del meta["provenance"]
+        arrays["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
+
+    output = tmp_path / "run.parquet"
+    with pytest.raises(KeyboardInterrupt):
+        made_by("aaa", output, monkeypatch, on_generation=killer(0, 2, KeyboardInterrupt))
+    forge_checkpoint(tmp_path / "run.parquet.partial" / "seed_000000.npz", forget)
+    made = made_by("bbb", output, monkeypatch)
+    assert [each.code() for each in made.each()] == ["unknown", "bbb"]
+
+
 def test_a_checkout_of_another_user_has_a_commit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -118,7 +169,7 @@ def test_checkpoints_come_as_often_as_asked(
 ) -> None:
     saved: list[int] = []
     monkeypatch.setattr(
-        runner, "write_checkpoint", lambda _path, run, _spent: saved.append(run.generation)
+        runner, "write_checkpoint", lambda _path, run, _past: saved.append(run.generation)
     )
     block(tmp_path / "run.parquet", run_spec(generations=7), seeds=(0,), checkpoint_every=3)
     assert saved == [3, 6]
@@ -129,8 +180,8 @@ def test_costs_add_up_over_resumptions(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         block(output, seeds=(0,), on_generation=killer(0, 3, KeyboardInterrupt))
     path = tmp_path / "run.parquet.partial" / "seed_000000.npz"
-    evolution, spent = checkpoint.read_checkpoint(path, SPEC)
-    checkpoint.write_checkpoint(path, evolution, dataclasses.replace(spent, wall_seconds=1000.0))
+    evolution, past = checkpoint.read_checkpoint(path, SPEC)
+    checkpoint.write_checkpoint(path, evolution, dataclasses.replace(past, wall_seconds=1000.0))
     info: SeedInfo = block(output, seeds=(0,), resume=True).seeds[0]
     assert info.wall_seconds > 1000.0
 

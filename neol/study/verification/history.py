@@ -3,7 +3,7 @@
 import subprocess
 from functools import cache
 
-from neol.run.provenance import Provenance, git
+from neol.run.provenance import UNKNOWN, Provenance, git
 
 
 @cache
@@ -22,7 +22,16 @@ def ancestors() -> frozenset[str] | None:
 
 
 def unknown_code(made: Provenance) -> str | None:
-    """Return why the code of a run cannot be restored; None if it can, or if that is unknown."""
+    """Return why the code of a run cannot be restored; None if it can, or if that is unknown.
+
+    A resumed run needs the code of each of its parts.
+    """
+    return next(filter(None, map(_unknown_code_of_part, made.each())), None)
+
+
+def _unknown_code_of_part(made: Provenance) -> str | None:
+    if made == UNKNOWN:
+        return "resumed from a checkpoint that states no commit"
     if made.commit is None:
         return "made outside a checkout: no commit is known"
     if made.dirty is not False:

@@ -47,12 +47,13 @@ class ManifestEntry(Model):
     @classmethod
     def of(cls, path: str, content: bytes, record: Record) -> Self:
         """Return the entry of a record that was read from this content."""
+        parts = (each for info in record.seeds for each in info.provenance.each())
         return cls(
             path=path,
             sha256=hashlib.sha256(content).hexdigest(),
             spec_digest=record.spec.digest(),
             seeds=tuple(info.seed for info in record.seeds),
-            commits=tuple(sorted({info.provenance.code() for info in record.seeds})),
+            commits=tuple(sorted({each.code() for each in parts})),
         )
 
 
