@@ -111,17 +111,12 @@ def records_below(folder: Path) -> Iterator[Path]:
             yield path
 
 
-def read_spec(path: Path) -> dict[str, Any]:
-    """Return the specification (without seed) in a record's footer; takes a millisecond.
+def read_footer(path: Path) -> RecordMetadata:
+    """Return the metadata in a record's footer; takes a millisecond.
 
     It checks neither rows nor digests; `read_record` does. Raises UserError for a file that is not
     a record of this version.
     """
-    return _stored_spec(path, _footer(path))
-
-
-def read_footer(path: Path) -> RecordMetadata:
-    """Return the metadata in a record's footer, unverified, as `read_spec` does."""
     text = _footer(path)
     _stored_spec(path, text)
     try:

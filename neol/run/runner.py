@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,10 +23,11 @@ from neol.run.evolution import Evolution, Generation
 from neol.run.provenance import checkout, provenance
 from neol.run.record import Champion, HeldOut, Record, SeedInfo, history_table, join
 from neol.run.record_file import (
+    RecordMetadata,
     first_difference,
     most_seeds,
+    read_footer,
     read_record,
-    read_spec,
     write_record,
 )
 from neol.run.workspace import checkpoint_path, claim, finished_path, partial_folder
@@ -34,6 +36,18 @@ from neol.spec.types import LARGEST_SEED
 
 OnGeneration = Callable[[int, Generation], None]
 """Callback that gets the seed and each completed generation."""
+
+
+class Label(NamedTuple):
+    """Names of a block's constants; each may be missing."""
+
+    budget: str | None = None
+    reading: str | None = None
+
+    def __str__(self) -> str:
+        """Return words such as "budget smoke and no reading"."""
+        names = self._asdict().items()
+        return " and ".join(f"{kind} {name}" if name else f"no {kind}" for kind, name in names)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,21 +161,23 @@ def run_block(
     Raises UserError for an obstacle, before anything is simulated.
     """
     checkout()
-    seeds = _distinct(seeds)
+    seeds, label = _distinct(seeds), Label(budget, reading)
     if output.is_dir():
         raise UserError(f"{output}: is a folder; name a file in it")
-    record = _complete(output, spec, seeds, resume)
+    record = _complete(output, spec, seeds, label, resume)
     if record is not None and not partial_folder(output).exists():
         return record
     with claim(output, wait=resume, keep=keep_partial) as workspace:
-        record = _complete(output, spec, seeds, resume)  # another process may have finished it
+        record = _complete(
+            output, spec, seeds, label, resume
+        )  # another process may have finished it
         if record is None:
             if any(workspace.glob("seed_*")) and not resume:
                 raise UserError(
                     f"{workspace}: has an interrupted run; continue with --resume, or remove it"
                 )
             _refuse_too_many_seeds(output, spec, seeds)
-            _refuse_other_work(workspace, spec, seeds)
+            _refuse_other_work(workspace, spec, seeds, label)
             with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
                 records = [
                     _seed_record(
@@ -169,8 +185,7 @@ def run_block(
                         player,
                         workspace,
                         checkpoint_every,
-                        budget,
-                        reading,
+                        label,
                         on_generation,
                     )
                     for seed in seeds
@@ -198,16 +213,20 @@ def evolve(
     with contextlib.closing(make_engine(spec.task, engine, workers)) as player:
         specs = [spec.model_copy(update={"seed": seed}) for seed in seeds]
         results = [run_seed(each, player, on_generation=on_generation) for each in specs]
-    return join([_record_of(result, None, None) for result in results])
+    return join([_record_of(result, Label()) for result in results])
 
 
-def _complete(output: Path, spec: RunSpec, seeds: Sequence[int], resume: bool) -> Record | None:
+def _complete(
+    output: Path, spec: RunSpec, seeds: Sequence[int], label: Label, resume: bool
+) -> Record | None:
     """Return the existing record, or None. Raises UserError for one without `resume`."""
     if not output.exists():
         return None
     if not resume:
         raise UserError(f"{output}: already exists; remove it or choose another output")
-    return _same_seeds(read_record(output, spec), seeds, output)
+    record = _same_seeds(read_record(output, spec), seeds, output)
+    _refuse_other_label(output, record, label, "choose another output")
+    return record
 
 
 def _seed_record(
@@ -215,8 +234,7 @@ def _seed_record(
     engine: Engine,
     workspace: Path,
     checkpoint_every: int,
-    budget: str | None,
-    reading: str | None,
+    label: Label,
     on_generation: OnGeneration | None,
 ) -> Record:
     """Return the record of one seed: the finished one if it exists, otherwise a new one."""
@@ -232,13 +250,13 @@ def _seed_record(
             checkpoint_every=checkpoint_every,
             on_generation=on_generation,
         )
-        record = _record_of(result, budget, reading)
+        record = _record_of(result, label)
         write_record(finished, record)
     checkpoint.unlink(missing_ok=True)
     return record
 
 
-def _record_of(result: SeedResult, budget: str | None, reading: str | None) -> Record:
+def _record_of(result: SeedResult, label: Label) -> Record:
     info = SeedInfo(
         seed=result.spec.seed,
         digest=result.digest,
@@ -252,7 +270,7 @@ def _record_of(result: SeedResult, budget: str | None, reading: str | None) -> R
         provenance=provenance().after(result.past.provenance),
     )
     table = history_table(info.seed, result.history)
-    return Record(result.spec, budget, reading, table, (info,))
+    return Record(result.spec, *label, table, (info,))
 
 
 def _distinct(seeds: Sequence[int]) -> list[int]:
@@ -273,7 +291,7 @@ def _refuse_too_many_seeds(output: Path, spec: RunSpec, seeds: Sequence[int]) ->
         )
 
 
-def _refuse_other_work(workspace: Path, spec: RunSpec, seeds: Sequence[int]) -> None:
+def _refuse_other_work(workspace: Path, spec: RunSpec, seeds: Sequence[int], label: Label) -> None:
     ours = {finished_path(workspace, seed).stem for seed in seeds}
     others = sorted({path.stem for path in workspace.glob("seed_*")} - ours)
     if others:
@@ -282,11 +300,22 @@ def _refuse_other_work(workspace: Path, spec: RunSpec, seeds: Sequence[int]) -> 
             "resume with all its seeds, or move the others to another output's .partial folder"
         )
     for path in sorted(workspace.glob("seed_*.parquet")):
-        if difference := first_difference(read_spec(path), spec):
+        footer = read_footer(path)
+        if difference := first_difference(footer.spec, spec):
             raise UserError(
                 f"{path}: of another specification: {difference}; "
                 f"restore that value, or remove {workspace}"
             )
+        _refuse_other_label(path, footer, label, f"remove {workspace}")
+
+
+def _refuse_other_label(
+    path: Path, made: Record | RecordMetadata, label: Label, way_out: str
+) -> None:
+    """Raise UserError for a record whose constants were named differently."""
+    stored = Label(made.budget, made.reading)
+    if stored != label:
+        raise UserError(f"{path}: made with {stored}, not {label}; name those, or {way_out}")
 
 
 def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:

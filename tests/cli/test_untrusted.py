@@ -24,7 +24,7 @@ from neol.base.errors import UserError
 from neol.run import checkpoint
 from neol.run.checkpoint import Arrays, Past
 from neol.run.record import SCHEMA
-from neol.run.record_file import read_record, read_spec
+from neol.run.record_file import read_footer, read_record
 from neol.spec import configuration as spec
 from neol.spec.configuration import CONFIG, load_configuration
 from neol.spec.plain_yaml import parse_yaml
@@ -112,7 +112,7 @@ def read_configuration(path: Path) -> object:
 # kind: (the whole file, the name that a damaged one gets, what reads it)
 KINDS: dict[str, tuple[str, str, Read]] = {
     "record": ("a.parquet", "x.parquet", read_record),
-    "record's footer": ("a.parquet", "x.parquet", read_spec),
+    "record's footer": ("a.parquet", "x.parquet", read_footer),
     "checkpoint": ("a.npz", "x.npz", lambda path: checkpoint.read_checkpoint(path, run_spec())),
     "manifest": (
         "manifest.json",

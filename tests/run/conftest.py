@@ -7,7 +7,7 @@ import pytest
 from neol.rollout.reference import ReferenceEngine
 from neol.run.record import Record, join
 from neol.run.record_file import write_record
-from neol.run.runner import _record_of, run_seed
+from neol.run.runner import Label, _record_of, run_seed
 from tests.helpers.runs import run_spec
 
 SPEC = run_spec(generations=3)
@@ -18,7 +18,7 @@ def record() -> Record:
     """Seeds 0 and 4 of a tiny CartPole run."""
     engine = ReferenceEngine(SPEC.task)
     seeds = [SPEC.model_copy(update={"seed": seed}) for seed in (0, 4)]
-    made = [_record_of(run_seed(spec, engine), "smoke", "worked_example") for spec in seeds]
+    made = [_record_of(run_seed(spec, engine), Label("smoke", "worked_example")) for spec in seeds]
     engine.close()
     return join(reversed(made))
 

@@ -108,7 +108,7 @@ def test_the_specification_is_in_the_footer(
 ) -> None:
     forge_record(path, lambda metadata, _: change(metadata["spec"]))
     found = record_file.first_difference(
-        record_file.read_spec(path), SPEC.model_copy(update={"seed": 99})
+        record_file.read_footer(path).spec, SPEC.model_copy(update={"seed": 99})
     )
     assert found == difference or (difference and found and found.startswith(difference))
     if difference:
@@ -125,11 +125,11 @@ def test_a_record_that_is_older_than_readings_is_of_the_first(path: Path, record
 def test_what_has_no_specification_is_refused(path: Path) -> None:
     forge_record(path, _other_version)
     with pytest.raises(UserError, match="its schema version is 2"):
-        record_file.read_spec(path)
+        record_file.read_footer(path)
     for content in (b"", b"PAR1", path.read_bytes()[:-9]):
         path.write_bytes(content)
         with pytest.raises(UserError, match=r"run\.parquet: damaged, or not a record"):
-            record_file.read_spec(path)
+            record_file.read_footer(path)
 
 
 def test_a_footer_says_what_its_runs_came_to(path: Path, record: Record) -> None:

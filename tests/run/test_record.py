@@ -58,9 +58,9 @@ def test_runs_of_one_cell_join_by_seed() -> None:
     joined = join([one, other])
     assert [info.seed for info in joined.seeds] == [0, 4]
     assert joined.table["seed"].to_pylist() == [0, 0, 4, 4]
-    foreign = dataclasses.replace(other, spec=run_spec(population=9))
-    with pytest.raises(AssertionError):
-        join([one, foreign])
+    for foreign in ({"spec": run_spec(population=9)}, {"budget": "demo"}, {"reading": "first"}):
+        with pytest.raises(AssertionError):
+            join([one, dataclasses.replace(other, **foreign)])
 
 
 def test_a_record_is_shown_in_one_line() -> None:

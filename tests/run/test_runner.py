@@ -265,6 +265,27 @@ def test_more_seeds_than_a_record_holds_are_refused_before_simulating(tmp_path: 
     assert names(tmp_path) == []
 
 
+def test_a_block_has_one_budget_and_one_reading(tmp_path: Path) -> None:
+    output = tmp_path / "run.parquet"
+    label = {"budget": "smoke", "reading": "first"}
+    other = {"budget": "demo", "reading": "worked_example"}
+    with pytest.raises(KeyboardInterrupt):
+        block(output, on_generation=killer(1, 2, KeyboardInterrupt), **label)
+    with pytest.raises(
+        UserError,
+        match=r"seed_000000\.parquet: made with budget smoke and reading first, not budget demo "
+        r"and reading worked_example; name those, or remove .*run\.parquet\.partial",
+    ):
+        block(output, resume=True, on_generation=killer(1, 3, AssertionError), **other)
+    block(output, resume=True, **label)
+    with pytest.raises(
+        UserError,
+        match=r"run\.parquet: made with budget smoke and reading first, not no budget and no "
+        r"reading; name those, or choose another output",
+    ):
+        block(output, resume=True)
+
+
 def test_finished_seeds_can_be_moved_to_another_output(tmp_path: Path) -> None:
     output, other = tmp_path / "run.parquet", tmp_path / "other.parquet"
     with pytest.raises(KeyboardInterrupt):

@@ -149,8 +149,11 @@ def _read(path: Path) -> Record:
     records = [read_record(each) for each in sorted(path.glob("*.parquet"))]
     if not records:
         raise UserError(f"{path}: holds no records; name a record or a folder of one cell's")
-    if len({record.spec.digest() for record in records}) > 1:
-        raise UserError(f"{path}: its records are of several configurations; name them one by one")
+    if len({(record.spec.digest(), record.budget, record.reading) for record in records}) > 1:
+        raise UserError(
+            f"{path}: its records are of several configurations, budgets or readings; "
+            "name them one by one"
+        )
     seeds = [info.seed for record in records for info in record.seeds]
     if len(set(seeds)) < len(seeds):
         raise UserError(f"{path}: its records hold a seed twice; name them one by one")

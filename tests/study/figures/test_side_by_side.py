@@ -1,5 +1,6 @@
 """Records side by side."""
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from scipy import stats
 
 from neol.base.errors import UserError
-from neol.run.record_file import write_record
+from neol.run.record_file import read_record, write_record
 from neol.spec.configuration import load_configuration
 from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import cells
@@ -122,6 +123,10 @@ def test_a_folder_must_hold_one_configuration(paths: list[Path], tmp_path: Path)
         (record,) = path.glob("*.parquet")
         (mixed / f"{number}.parquet").write_bytes(record.read_bytes())
     with pytest.raises(UserError, match="of several configurations"):
+        read_compared([mixed])
+    record = read_record(mixed / "0.parquet")
+    write_record(mixed / "1.parquet", dataclasses.replace(record, budget="demo"))
+    with pytest.raises(UserError, match="budgets or readings; name them"):
         read_compared([mixed])
     (mixed / "1.parquet").write_bytes((mixed / "0.parquet").read_bytes())
     with pytest.raises(UserError, match="hold a seed twice"):
