@@ -4,8 +4,7 @@ import math
 import secrets
 import sys
 import time
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +14,7 @@ from neol.cli.application import DISAGREES, RecordPath, app, examples, refuse_ex
 
 if TYPE_CHECKING:
     from neol.study.verification.check import Problem
+    from neol.study.verification.repetition import Repetition
     from neol.study.verification.replays import Replay, Run
 
 
@@ -94,6 +94,9 @@ def verify(
     """Check records by their digests, rows and manifest; replay runs."""
     from neol.cli.progress import Display
     from neol.study.verification.check import Verification
+    from neol.study.verification.repetition import Repetition, repeat_champion
+    from neol.study.verification.replay_log import ReplayLog
+    from neol.study.verification.replays import draw
 
     count = _count_of(replay, minutes)
     verification = Verification(paths)
@@ -112,10 +115,21 @@ def verify(
     records = _plural(len(verification.records), "record")
     summary = [f"{records} of {_plural(len(cells), 'run')} checked", *verification.notes()]
     seed = secrets.randbelow(2**32) if seed is None else seed
+    made: list[Replay] = []
     if count and cells:
-        summary.append(_repeat(cells, count, minutes, generations, seed, log, findings))
+        deadline = math.inf if minutes is None else time.monotonic() + 60 * minutes
+        known = ReplayLog(log) if log else None
+        repetition = Repetition(cells, count, seed, generations, deadline, known)
+        of = f" of {len(repetition.drawn)}"
+        made += _play("replay", repetition.runs(), repetition.repeat, of)
+        summary.append(_describe(repetition))
     if replay_champions and cells:
-        summary.append(_repeat_champions(cells, replay_champions, seed + 1, findings))
+        drawn = draw(cells, seed + 1)[:replay_champions]
+        champions = list(_play("champion", drawn, repeat_champion))
+        played = sum(each.played for each in champions)
+        summary.append(f"{_plural(played, 'champion')} played again")
+        made += champions
+    findings += [each.problem for each in made if each.problem]
     if cells and (count or replay_champions):
         summary[-1] += f" (--seed {seed})"
     outcome = _plural(len(findings), "finding") if findings else "all well"
@@ -135,76 +149,30 @@ def _count_of(replay: str, minutes: float | None) -> int:
     return int(replay)
 
 
-def _repeat(
-    cells: "dict[Run, str]",
-    count: int,
-    minutes: float | None,
-    generations: int | None,
-    seed: int,
-    log: Path | None,
-    findings: "list[Problem]",
-) -> str:
-    """Repeat drawn runs and compare; return a summary of what was repeated and its coverage."""
-    from neol.study.verification import replays
-    from neol.study.verification.replay_log import ReplayLog
-
-    deadline = math.inf if minutes is None else time.monotonic() + 60 * minutes
-    known = ReplayLog(log) if log else None
-    whole = known.among(cells) if known else set()
-    before, repeated, done = len(whole), 0, 0
-    drawn = [run for run in replays.draw(cells, seed) if run not in whole][:count]
-    for number, run in enumerate(drawn, 1):
-        if time.monotonic() >= deadline:
-            break
-        title = f"replay {number} of {len(drawn)}"
-        played = _played(partial(replays.replay, run, generations, deadline), run, title, findings)
-        if played is None:
-            continue
-        repeated, done = repeated + 1, done + played.generations
-        if played.whole:
-            whole.add(run)
-            if known and not played.problem:
-                known.add(run)
-    parts = [f"{_plural(repeated, 'run')} repeated", _plural(done, "generation")]
-    if before:
-        parts.append(f"{before:,} repeated before")
-    return ", ".join([*parts, str(replays.coverage(cells, whole))])
-
-
-def _repeat_champions(
-    cells: "dict[Run, str]", count: int, seed: int, findings: "list[Problem]"
-) -> str:
-    """Repeat the held-out episodes of drawn champions; return a summary."""
-    from neol.study.verification import replays
-
-    drawn = replays.draw(cells, seed)[:count]
-    played = [
-        _played(partial(replays.replay_champion, run), run, f"champion {number}", findings)
-        for number, run in enumerate(drawn, 1)
-    ]
-    return f"{_plural(len(played) - played.count(None), 'champion')} played again"
-
-
-def _played(
-    play: "Callable[[], Replay]", run: "Run", title: str, findings: "list[Problem]"
-) -> "Replay | None":
-    """Make a replay, print and add its problem; return None if it cannot be made."""
-    from neol.base.errors import UserError
+def _play(
+    title: str, runs: "Iterable[Run]", play: "Callable[[Run], Replay]", of: str = ""
+) -> "Iterator[Replay]":
+    """Yield replays as they are made; show which is being made, and print what it finds."""
     from neol.cli.progress import Display
-    from neol.study.verification.check import Problem
 
-    played = None
-    try:
+    for number, run in enumerate(runs, 1):
         with Display() as display:
-            display.show(title)
-            played = play()
-        problem = played.problem
-    except UserError as error:
-        problem = Problem(run[0], f"cannot be repeated: {error}", run[1])
-    if problem:
-        print(problem, flush=True)
-        findings.append(problem)
-    return played
+            display.show(f"{title} {number}{of}")
+            replay = play(run)
+        if replay.problem:
+            print(replay.problem, flush=True)
+        yield replay
+
+
+def _describe(repetition: "Repetition") -> str:
+    """Return a summary of what was repeated and its coverage."""
+    parts = [
+        f"{_plural(repetition.repeated, 'run')} repeated",
+        _plural(repetition.generations_done, "generation"),
+    ]
+    if repetition.before:
+        parts.append(f"{repetition.before:,} repeated before")
+    return ", ".join([*parts, str(repetition.coverage())])
 
 
 def _plural(number: int, one: str) -> str:

@@ -3,7 +3,7 @@
 Listing the records of a campaign, for a folder with a manifest, takes longer and is done once.
 
 Beside this: `plausible` has what a run's values can be, `manifest` what lies in a folder, `history`
-which commits there are, and `replays` repeats runs.
+which commits there are, `replays` repeats a run, and `repetition` draws which.
 """
 
 from collections.abc import Iterator, Sequence

@@ -8,7 +8,7 @@ import math
 import random
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,6 +39,8 @@ class Replay:
     """The first value that differs; None if every bit is equal."""
     whole: bool = True
     """Whether the run was repeated to its end, not only to the deadline."""
+    played: bool = True
+    """Whether it could be repeated; otherwise the problem says why not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +111,16 @@ def replay_champion(run: Run) -> Replay:
     evolution.state = evolution.state._replace(population=champion)
     with contextlib.closing(make_engine(evolution.spec.task)) as engine:
         return Replay(0, _first_difference(run, _held_out(info, evolution, engine)))
+
+
+def attempt(play: Callable[..., Replay], run: Run, *how: object) -> Replay:
+    """Return a replay of a run by `play`; that it cannot be repeated is a problem too."""
+    try:
+        return play(run, *how)
+    except UserError as error:
+        path, seed = run
+        problem = Problem(path, f"cannot be repeated: {error}", seed)
+        return Replay(0, problem, whole=False, played=False)
 
 
 def _begin(run: Run) -> tuple[Record, SeedInfo, Evolution]:
