@@ -96,11 +96,13 @@ def _lead(sides: Mapping[str, int], decided: int) -> str:
 
 
 def _answer(question: Difference, row: Mapping[Hashable, Any]) -> str:
-    """Return an answer with its effect: No: -83.2 [-132, -34.2], the paper 12.0."""
+    """Return an answer with its effect: No (the other direction): -83 [-132, -34]; the paper's 12."""
     verdict = row["verdict"]
     if verdict == "not asked here":
         return NOT_RUN
     answer = (ANSWERS | UNDECIDED)[verdict]
+    reason = f" ({row['reason']})" if isinstance(row["reason"], str) and row["reason"] else ""
     numbers = (row[name] for name in ("effect", "low", "high", "paper_effect"))
     effect, low, high, paper = in_print(question, *numbers)
-    return f"{answer}: {with_interval(effect, low, high)}, the paper {three_figures(paper)}"
+    ours = with_interval(effect, low, high)
+    return f"{answer}{reason}: {ours}; the paper's {three_figures(paper)}"

@@ -18,8 +18,20 @@ def ledger(**verdicts: str) -> pd.DataFrame:
         if verdict == "not asked here":
             numbers = dict.fromkeys(numbers, np.nan)
         rows += [
-            {"question": question.id, "part": "all", "verdict": verdict, **numbers},
-            {"question": question.id, "part": "hopper: bcm", "verdict": verdict, **numbers},
+            {
+                "question": question.id,
+                "part": "all",
+                "verdict": verdict,
+                **numbers,
+                "reason": "why",
+            },
+            {
+                "question": question.id,
+                "part": "hopper: bcm",
+                "verdict": verdict,
+                **numbers,
+                "reason": "",
+            },
         ]
     return pd.DataFrame(rows)
 
@@ -55,6 +67,10 @@ def test_the_table_has_an_answer_for_each_claim_baseline_and_task() -> None:
     assert head[2:] == ["Lunar Lander", "Hopper", "Bipedal Walker"]
     answers = {tuple(row[:2]): row[2:] for row in rows}
     assert len(answers) == 6
-    assert answers["end higher", "NEAT"] == ["--", "No: 1.00 [0.500, 1.50], the paper 12.0", "--"]
+    assert answers["end higher", "NEAT"] == [
+        "--",
+        "No (why): 1.00 [0.500, 1.50]; the paper's 12.0",
+        "--",
+    ]
     spread = answers["vary less over seeds (ratio of SDs)", "NEAT (w/o)"][0]
-    assert spread == "Open: 2.72 [1.65, 4.48], the paper 162755"
+    assert spread == "Open (why): 2.72 [1.65, 4.48]; the paper's 162755"
