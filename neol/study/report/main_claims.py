@@ -96,7 +96,7 @@ def _lead(sides: Mapping[str, int], decided: int) -> str:
 
 
 def _answer(question: Difference, row: Mapping[Hashable, Any]) -> str:
-    """Return an answer with its effect: No (the other direction): -83 [-132, -34]; the paper's 12."""
+    """Return an answer with its effect: No (the other direction): -83 [-132, -34]; paper's 12."""
     verdict = row["verdict"]
     if verdict == "not asked here":
         return NOT_RUN
