@@ -24,6 +24,8 @@ QUESTIONS = ROOT / "paper" / "questions.yaml"
 Method = Literal["bcm", "hebb", "oja", "neat", "neat_wo"]
 Rule = Literal["bcm", "hebb", "oja"]
 RULES: tuple[Rule, ...] = ("bcm", "hebb", "oja")
+MAIN_FAMILIES = ("fitness", "SCORE", "spread")
+"""Families of the paper's main claims: the rules end higher, sooner and with less variation."""
 Cells = Literal["table3", "table4", "largest", "best", "grid"]
 """Cells that represent a method: those of the paper's Table 3 or 4; the best cell on even seeds, of
 the largest population or of the whole grid; or the whole grid."""
@@ -160,6 +162,15 @@ def load_questions(path: Path = QUESTIONS) -> tuple[Question, ...]:
     questions = _read(path, _Questions).questions
     _distinct(path, [question.id for question in questions])
     return questions
+
+
+def main_questions() -> list[Difference]:
+    """Return the questions of the main claims, each on one task against one baseline."""
+    return [
+        question
+        for question in load_questions()
+        if isinstance(question, Difference) and question.family in MAIN_FAMILIES
+    ]
 
 
 def load_claims(path: Path = CLAIMS, questions: Path = QUESTIONS) -> tuple[Claim, ...]:

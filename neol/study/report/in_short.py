@@ -10,7 +10,7 @@ import pandas as pd
 
 from neol.pictures.labels import listed, task_label, value_range
 from neol.study.claims.ledger import WHOLE
-from neol.study.claims.questions import load_questions
+from neol.study.claims.questions import load_questions, main_questions
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.report.speciation import crowded_cells
@@ -63,7 +63,7 @@ def in_short(
 def questions_answered(ledger: pd.DataFrame) -> str:
     """Count the questions of the paper by verdict, and name those that are answered.
 
-    Questions about tasks that the budget does not have are counted apart.
+    The main claims are counted but not named: they have a table of their own.
     """
     whole = ledger[ledger["part"] == WHOLE]
     asked = whole[whole["verdict"] != "not asked here"]
@@ -74,7 +74,12 @@ def questions_answered(ledger: pd.DataFrame) -> str:
         f"The paper's claims raise {len(whole)} questions; these runs ask {len(asked)} and "
         f"answer {sum(decided.values())}."
     ]
-    said += [f"{str(verdict).capitalize()}: {_of_questions(asked, verdict)}" for verdict in decided]
+    main = [question.id for question in main_questions()]
+    others = asked[~asked["question"].isin(main)]
+    named = [(verdict, found) for verdict in decided if (found := _of_questions(others, verdict))]
+    if named:
+        said.append("The answers beside the main claims follow.")
+    said += [f"{str(verdict).capitalize()}: {found}" for verdict, found in named]
     if rest:
         said.append(f"Not answered: {listed(f'{count} {name}' for name, count in rest.items())}.")
     return " ".join(said)

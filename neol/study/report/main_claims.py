@@ -11,7 +11,7 @@ import pandas as pd
 
 from neol.pictures.labels import listed, method_label, task_label, three_figures, with_interval
 from neol.study.claims.ledger import WHOLE
-from neol.study.claims.questions import Difference, load_questions
+from neol.study.claims.questions import Difference, main_questions
 from neol.study.claims.units import in_print
 from neol.study.claims.verdicts import AGAINST, FOR
 from neol.study.report.in_short import ANSWERS, Point
@@ -21,7 +21,7 @@ CLAIMED = {
     "SCORE": "have a higher SCORE",
     "spread": "vary less over seeds (ratio of SDs)",
 }
-"""Families of the main claims' questions, and what each says of the rules."""
+"""What the main claims of each family say of the rules."""
 ABOUT = (
     "Each answer has the effect of all rules together with the interval of its look, then the "
     "effect that the paper prints. A dash: the paper's configurations were not run, or with too "
@@ -30,15 +30,6 @@ ABOUT = (
 """What the table's entries are."""
 NOT_RUN = "--"
 UNDECIDED = {"inconclusive": "Open", "too short": "Too short"}
-
-
-def main_questions() -> list[Difference]:
-    """Return the questions of the main claims, each on one task against one baseline."""
-    return [
-        question
-        for question in load_questions()
-        if isinstance(question, Difference) and question.family in CLAIMED
-    ]
 
 
 def do_they_hold(ledger: pd.DataFrame) -> Point:

@@ -27,16 +27,18 @@ NOT_CORRECTED = (
 
 def test_questions_are_counted_by_verdict_and_answers_named() -> None:
     """Parts are not counted, nor questions that the budget cannot ask."""
-    a, b, c, d = load_questions()[:4]
+    a, b, c, d, *_, main = reversed(load_questions())
     rows = [
+        (main.id, "all", "not reproduced", False),
         (a.id, "all", "reproduced", True), (a.id, "hopper: bcm", "reproduced", True),
         (b.id, "all", "too short", False), (c.id, "all", "not reproduced", False),
         (d.id, "all", "not asked here", False),
     ]  # fmt: skip
     ledger = pd.DataFrame(rows, columns=["question", "part", "verdict", "near_control"])
     assert in_short.questions_answered(ledger) == (
-        "The paper's claims raise 4 questions; these runs ask 3 and answer 2. "
-        f"Reproduced: {a.ask} Yes†. Not reproduced: {c.ask} No. Not answered: 1 too short."
+        "The paper's claims raise 5 questions; these runs ask 4 and answer 3. The answers "
+        f"beside the main claims follow. Reproduced: {a.ask} Yes†. Not reproduced: {c.ask} No. "
+        "Not answered: 1 too short."
     )
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from neol.study.report.main_claims import by_task, do_they_hold, main_questions
+from neol.study.claims.questions import main_questions
+from neol.study.report.main_claims import by_task, do_they_hold
 
 
 def ledger(**verdicts: str) -> pd.DataFrame:
