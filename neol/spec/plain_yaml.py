@@ -72,5 +72,5 @@ def parse_yaml(text: str, name: str) -> Any:
         raise UserError(f"{name}: {str(error).splitlines()[0]}") from None
     except RecursionError:
         raise UserError(f"{name}: nested too deeply") from None
-    except (ValueError, KeyError) as error:  # !!int one, or thousands of digits
+    except (ValueError, LookupError, OverflowError) as error:  # !!int one, !!int "", "\UFFFFFFFF"
         raise UserError(f"{name}: not a value of its kind ({error})") from None

@@ -38,7 +38,7 @@ class Overlay:
 
     def add_file(self, path: Path) -> None:
         """Lay a YAML file over the present values."""
-        name = f"{path.parent.name}/{path.name}"
+        name = str(Path(*path.parts[-2:]))  # config/base.yaml
         content = read_yaml(path, name)
         if not isinstance(content, dict):
             raise UserError(f"{name}: must be a mapping of keys to values")

@@ -183,6 +183,14 @@ def test_a_file_that_is_no_text(config):
     assert refusal(load_configuration, "mine").startswith("config/mine.yaml: cannot be read (")
 
 
+def test_a_file_beside_the_user_has_its_bare_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.yaml").write_text("neat: [1")
+    assert refusal(load_configuration, "mine.yaml").startswith("mine.yaml, line 1: expected")
+    Path("loop.yaml").symlink_to("loop.yaml")
+    assert refusal(load_configuration, "loop.yaml").startswith("loop.yaml: ")
+
+
 def test_a_constant_missing_from_the_base(config):
     base = config / "base.yaml"
     base.write_text(base.read_text().replace("  sum_limit: 50.0", "  #"))
