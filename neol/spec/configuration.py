@@ -45,6 +45,8 @@ _PACKAGE = Path(__file__).resolve().parents[1]
 ROOT = _PACKAGE if (_PACKAGE / "config").is_dir() else _PACKAGE.parent
 CONFIG = ROOT / "config"
 READINGS = CONFIG / "readings"
+_OF_EACH_TASK = ("generations", "seeds", "populations", "seeds_per_job", "configurations")
+"""Keys of a budget that may have a value for each task."""
 PAPER_BUDGET = "paper"
 """Budget whose constants are those of config/base.yaml."""
 
@@ -173,14 +175,33 @@ def load_configuration(
             raise UserError(
                 f'{source}: budget.tasks: unknown task "{task}"{hint(task, configuration.tasks)}'
             )
-        for name in ("generations", "seeds", "populations", "seeds_per_job", "configurations"):
-            values = getattr(configuration.budget, name)
-            if isinstance(values, dict) and task not in values:
-                source = overlay.source(("budget", name))
-                there = ", ".join(map(str, values))
-                raise UserError(f"{source}: budget.{name}: no value for {task}, only for {there}")
+    _check_values_of_tasks(configuration, overlay)
     label = _label(configuration, reading_name, changes)
     return configuration.model_copy(update={"reading": label})
+
+
+def _check_values_of_tasks(configuration: Configuration, overlay: Overlay) -> None:
+    """Raise UserError unless values for each task are for known tasks and for all of the budget's.
+
+    `records_of` may leave tasks out, but names budgets.
+    """
+    budget = configuration.budget
+    for name in (*_OF_EACH_TASK, "records_of"):
+        values = getattr(budget, name)
+        if not isinstance(values, dict):
+            continue
+        where = f"{overlay.source(('budget', name))}: budget.{name}"
+        for task in values:
+            if task not in configuration.tasks:
+                raise UserError(f'{where}: unknown task "{task}"{hint(task, configuration.tasks)}')
+        for task in budget.tasks:
+            if name in _OF_EACH_TASK and task not in values:
+                raise UserError(f"{where}: no value for {task}, only for {', '.join(values)}")
+    for keeper in budget.records_of.values():
+        if keeper not in budgets():
+            source = overlay.source(("budget", "records_of"))
+            unknown = f'unknown budget "{keeper}"{hint(keeper, budgets())}'
+            raise UserError(f"{source}: budget.records_of: {unknown}")
 
 
 def _file_of(budget: str) -> Path:
