@@ -8,10 +8,13 @@ import pytest
 from neol.base.errors import UserError
 from neol.champions.player import load_champion
 from neol.spec.configuration import ROOT
+from neol.spec.readings import DEFAULT_READING
+from neol.study.campaign.grid import RESULTS
 from tests.champions.conftest import MakePlayer, MakeRecord
 
 TASKS = ["cartpole", "lunar_lander", "hopper", "bipedal_walker", "gym:Pendulum-v1"]
-DEMO = sorted((ROOT / "results" / "demo").rglob("seeds_000-004.parquet"))
+DEMO = sorted((ROOT / RESULTS / DEFAULT_READING / "demo").rglob("neat*/*/seeds_000-*.parquet"))
+DEMO += sorted((ROOT / RESULTS / DEFAULT_READING / "demo").rglob("bcm/*/seeds_000-*.parquet"))
 
 
 @pytest.mark.parametrize("task", TASKS)

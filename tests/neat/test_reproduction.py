@@ -1,6 +1,7 @@
 """Offspring counts, elites and parents; whole populations against a plain twin."""
 
 from dataclasses import astuple, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -120,9 +121,16 @@ def test_only_survivors_become_parents() -> None:
 
 
 def test_numbers_only_grow() -> None:
-    population, innovations = evolve(5)
+    """Each generation adds connections and nodes, which all have numbers of their own."""
+    population, innovations = evolve(5, add_connection_rate=0.9, add_node_rate=0.9)
     assert population.first_id == 30 * 5
-    assert innovations.next_innovation >= INPUTS * OUTPUTS
+    found = [evolve(generations, add_connection_rate=0.9, add_node_rate=0.9)[1]
+             for generations in range(1, 5)]  # fmt: skip
+    numbers = [(each.next_innovation, each.next_node) for each in (*found, innovations)]
+    for before, after in pairwise(numbers):
+        assert before[0] < after[0] and before[1] < after[1]
+    used = {number for genome in population for number in genome.connections["innovation"]}
+    assert max(used) < innovations.next_innovation
 
 
 BUSY = {
