@@ -51,7 +51,11 @@ def run(
     ],
     method: Annotated[
         str,
-        typer.Option(help=f"Method: {', '.join(METHOD_NAMES)}.", autocompletion=_methods),
+        typer.Option(
+            help="Method: neat, neat_wo (NEAT without weight mutation), "
+            f"{', '.join(RULES)}, or RULE_mutated (a rule with weight mutation).",
+            autocompletion=_methods,
+        ),
     ],
     population: Annotated[int, typer.Option(help="Population size (P), 2 to 100000.")],
     generations: Annotated[int, typer.Option(help="Number of generations (G).")],

@@ -33,7 +33,7 @@ def shipped(quantity: str, task: str, networks: str = "") -> float | None:
 
 
 def like(method: str) -> str:
-    """Return the method whose short runs represent a method: Hebb if weights are not mutated."""
+    """Return the method whose short runs were measured for it: NEAT, or Hebb for all others."""
     return "neat" if method == "neat" else "hebb"
 
 

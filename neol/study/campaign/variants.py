@@ -3,15 +3,11 @@
 config/sensitivity/ lists the variants and the study's size; the workflow runs their trials.
 """
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
-from pydantic import TypeAdapter, ValidationError
-
-from neol.base.errors import UserError, hint, one_line
+from neol.base.errors import UserError, hint
 from neol.spec.configuration import CONFIG, Configuration, load_configuration
 from neol.spec.run_spec import RunSpec
 from neol.spec.sources import Overlay
@@ -23,7 +19,6 @@ STUDY = CONFIG / "sensitivity" / "study.yaml"
 BASELINE = "baseline"
 FIRST_SEED = 1_000_000
 """First seed of the study, beyond those of every budget."""
-Content = TypeVar("Content")
 
 
 class Study(Model):
@@ -57,21 +52,18 @@ class Trial:
 
 def study() -> Study:
     """Return the size of the study from its file. Raises UserError for an invalid file."""
-    return _read(STUDY, Study)
+    return _overlay(STUDY).parse(Study)
 
 
 def variants() -> dict[str, Variant]:
     """Return the listed variants, the baseline first. Raises UserError for an invalid file."""
-    return _read(VARIANTS, dict[str, Variant])
+    return _overlay(VARIANTS).parse(dict[str, Variant])
 
 
-def _read(path: Path, kind: type[Content]) -> Content:
+def _overlay(path: Path) -> Overlay:
     overlay = Overlay()
     overlay.add_file(path)
-    try:
-        return TypeAdapter(kind).validate_json(json.dumps(overlay.values))
-    except ValidationError as error:
-        raise UserError(one_line(error, kind, overlay.place)) from None
+    return overlay
 
 
 def trials(configuration: Configuration, name: str) -> list[Trial]:
