@@ -75,8 +75,8 @@ def test_an_unknown_budget(budget):
         ("neat.elitism=-1", "neat.elitism = -1: must be greater than or equal to 0"),
         ("budget.seeds=10001", "budget.seeds = 10001: must be a number of seeds from 1 to 10000, "),
         ("budget.seeds={first: 5}", 'budget.seeds: unknown task "first"'),
-        ("budget.records_of={hoper: desk}", 'budget.records_of: unknown task "hoper", did you mean'),
-        ("budget.records_of={hopper: dsk}", 'budget.records_of: unknown budget "dsk", did you mean'),
+        ("budget.records_of={hoper: desk}", 'budget.records_of: unknown task "hoper", did you'),
+        ("budget.records_of={hopper: dsk}", 'budget.records_of: unknown budget "dsk", did you'),
         ("evaluation.episodes=1001", "evaluation.episodes = 1001: must be less than or equal to"),
         ("neat.elitism=9007199254740993", "neat.elitism = 9007199254740993: must be less than or"),
         (
