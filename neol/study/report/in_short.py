@@ -3,7 +3,7 @@
 Each point has a lead and sentences made of the budget's tables, and says no more than they do.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -11,9 +11,10 @@ import pandas as pd
 from neol.pictures.labels import listed, task_label, value_range
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import load_questions, main_questions
+from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
-from neol.study.report.speciation import crowded_cells
+from neol.study.report.speciation import crowded_cells, species_by_cell, without_weights
 from neol.study.report.words import marked_name
 
 TERMS = (
@@ -46,17 +47,19 @@ class Point(NamedTuple):
 
 
 def in_short(
-    ledger: pd.DataFrame, effects: pd.DataFrame, selection: pd.DataFrame, species: pd.DataFrame
+    campaign: Campaign, ledger: pd.DataFrame, effects: pd.DataFrame, selection: pd.DataFrame
 ) -> list[Point]:
-    """Return the points: from the tables of verdicts, effects, selection bias and species."""
+    """Return the points: from runs, and from the tables of verdicts, effects, selection bias."""
     points = [
         Point("The paper's questions.", questions_answered(ledger)),
         Point("The rules against NEAT.", against_neat(effects)),
         Point("Is that learning?", is_it_learning(effects)),
         Point("In fresh episodes.", in_fresh_episodes(selection)),
     ]
+    species = species_by_cell(campaign)
     if crowded := crowded_cells(species):
-        points.insert(3, Point("Or is it speciation?", in_crowded_cells(crowded)))
+        found = in_crowded_cells(crowded, without_weights(campaign, species))
+        points.insert(3, Point("Or is it speciation?", found))
     return points
 
 
@@ -126,13 +129,18 @@ def is_it_learning(effects: pd.DataFrame) -> str:
     return " ".join(said) or "No run of NEAT (w/o) is there to tell."
 
 
-def in_crowded_cells(crowded: str) -> str:
-    """Say in which cells the number of species alone may explain the outcome."""
+def in_crowded_cells(crowded: str, without_weights: Sequence[str]) -> str:
+    """Say in which cells the number of species may explain the outcome, and what a check found."""
+    checked = (
+        f" Where weights do not count in the distance, {listed(without_weights)}."
+        if without_weights
+        else ""
+    )
     return (
         "Weights that a rule has changed are inherited and count in the distance between genomes, "
         "so high learning rates make many species. In some cells the places that every species "
         f"keeps fill the population in most generations, which nearly stops selection: {crowded}. "
-        "Low values there need not come from learning itself."
+        f"Low values there need not come from learning itself.{checked}"
     )
 
 

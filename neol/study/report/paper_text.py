@@ -119,7 +119,7 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
         "differencesablation": _items(words.differences(effects, FITNESS, "neat_wo")),
         "inshort": "".join(
             rf"\item \textbf{{{escape(point.lead)}}} {escape(point.text.replace('`', ''))} "
-            for point in [do_they_hold(ledger), *in_short(ledger, effects, selection, species)]
+            for point in [do_they_hold(ledger), *in_short(campaign, ledger, effects, selection)]
         ),
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(levels_reached(selection)),

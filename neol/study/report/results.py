@@ -87,7 +87,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         do_they_hold=do_they_hold(ledger).markdown(),
         main_claims=by_task(ledger),
         about_main_claims=ABOUT,
-        in_short=[point.markdown() for point in in_short(ledger, effects, selection, species)],
+        in_short=[point.markdown() for point in in_short(campaign, ledger, effects, selection)],
         levels=levels_reached(selection),
         against_neat=words.effects_table(effects, "neat"),
         against_ablation=words.effects_table(effects, "neat_wo"),

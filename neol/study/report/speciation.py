@@ -1,14 +1,21 @@
 """How many species the populations had, which decides what speciation did to a method's runs."""
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
+from statistics import mean, stdev
 from typing import Any
 
 import pandas as pd
 
 from neol.pictures.labels import listed, method_label, task_label
-from neol.study.campaign.grid import cells
+from neol.spec.configuration import PAPER_BUDGET, load_configuration
+from neol.study.campaign.grid import RESULTS, Cell, cells
 from neol.study.campaign.methods import shown_methods
 from neol.study.outcomes.campaign_runs import Campaign
+
+CROWDED = 0.5
+"""Share of generations above which a cell counts as crowded."""
+WITHOUT_WEIGHTS = "neat.weight_coefficient=0.0"
+"""The change of a reading under which weights do not count in the distance between genomes."""
 
 
 def species_by_cell(campaign: Campaign) -> pd.DataFrame:
@@ -48,10 +55,40 @@ def crowded_cells(species: pd.DataFrame) -> str:
     """Name the cells that are crowded in most generations; empty if there are none."""
     return "; ".join(
         f"{task_label(str(task))}, P = {population}: {listed(map(_named, rows.to_dict('records')))}"
-        for (task, population), rows in species[species["crowded"] > 0.5].groupby(
+        for (task, population), rows in species[species["crowded"] > CROWDED].groupby(
             ["task", "population"], sort=False
         )
     )
+
+
+def without_weights(campaign: Campaign, species: pd.DataFrame) -> list[str]:
+    """Say how crowded cells end where weights do not count in the distance between genomes.
+
+    It compares the seeds that have runs of both kinds at the paper's budget; docs/scaling.md has
+    the plan of these runs.
+    """
+    reading = f"{campaign.configuration.reading}+{WITHOUT_WEIGHTS}"
+    configuration = load_configuration(PAPER_BUDGET, reading=reading)
+    other, known = Campaign(configuration, RESULTS, partial=True), cells(configuration)
+    sentences = []
+    for row in species[species["crowded"] > CROWDED].to_dict("records"):
+        cell = Cell(row["task"], row["method"], row["population"], row["learning_rate"])
+        if cell not in known or not other.runs(cell).final_best:
+            continue
+        here, there = campaign.runs(cell).final_best, other.runs(cell).final_best
+        seeds = sorted(here.keys() & there.keys())
+        count = other.runs(cell).rows["species"].mean()
+        sentences.append(
+            f"{method_label(cell.method)} at rate {cell.learning_rate:g} has {_rounded(count)} "
+            f"species and ends at {_moments(there, seeds)} instead of {_moments(here, seeds)} "
+            f"({len(seeds)} seeds)"
+        )
+    return sentences
+
+
+def _moments(values: Mapping[int, float], seeds: Sequence[int]) -> str:
+    each = [values[seed] for seed in seeds]
+    return f"{mean(each):.0f} ± {stdev(each):.0f}"
 
 
 def _named(row: Mapping[Hashable, Any]) -> str:

@@ -1,9 +1,19 @@
 """How many species a method's populations had."""
 
+from dataclasses import astuple
+from statistics import mean, stdev
+
 import pandas as pd
 
+from neol.spec.configuration import load_configuration
+from neol.study.campaign.grid import RESULTS, Cell
 from neol.study.outcomes.campaign_runs import Campaign
-from neol.study.report.speciation import crowded_cells, species_by_cell, species_by_task
+from neol.study.report.speciation import (
+    crowded_cells,
+    species_by_cell,
+    species_by_task,
+    without_weights,
+)
 
 COLUMNS = ["task", "method", "population", "learning_rate", "species", "single", "crowded"]
 
@@ -12,6 +22,17 @@ def test_every_cell_with_runs_has_a_row(campaign: Campaign) -> None:
     found = species_by_cell(campaign)
     assert list(found.columns) == COLUMNS
     assert species_by_task(found)[0].startswith("CartPole: BCM ")
+
+
+def test_without_weights_the_same_seeds_are_compared() -> None:
+    shipped = Campaign(load_configuration("evidence"), RESULTS)
+    cell = Cell("lunar_lander", "bcm", 300, 0.25)
+    rows = [(*astuple(cell), 144.5, 0.0, 0.54), ("lunar_lander", "oja", 300, 0.25, 150, 0.0, 0.6)]
+    (sentence,) = without_weights(shipped, pd.DataFrame(rows, columns=COLUMNS))
+    ends = [end for seed, end in shipped.runs(cell).final_best.items() if seed < 10]
+    assert sentence.startswith("BCM at rate 0.25 has ")
+    assert sentence.endswith(f"instead of {mean(ends):.0f} ± {stdev(ends):.0f} (10 seeds)")
+    assert without_weights(shipped, pd.DataFrame([], columns=COLUMNS)) == []
 
 
 def test_cells_whose_species_fill_the_population_are_named() -> None:
