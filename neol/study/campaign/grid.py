@@ -1,21 +1,19 @@
 """The grid of a budget: its cells, their runs, and the path of each record."""
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import Decimal
-from functools import cache
 from pathlib import Path
 
 from neol.base.errors import UserError
 from neol.run.record import campaign_name
-from neol.spec.configuration import ROOT, Configuration, load_configuration
+from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.methods import without_mutation
+from neol.study.campaign.reference import printed_rows
 
 RESULTS = Path("results")
-REFERENCE = ROOT / "paper" / "reference"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,16 +147,9 @@ def _configurations(budget: Budget, table: int) -> list[Cell]:
             population(row),
             float(row["learning_rate"]) if row["learning_rate"] else None,
         )
-        for row in _printed_configurations()
-        if int(row["table"]) == table and row["task"] in budget.tasks
+        for row in printed_rows("configurations", table)
+        if row["task"] in budget.tasks
     ]
-
-
-@cache
-def _printed_configurations() -> list[dict[str, str]]:
-    """Return the rows of the paper's Tables 3 and 4."""
-    with (REFERENCE / "configurations.csv").open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def _split(configuration: Configuration, cell: Cell) -> Iterator[Block]:

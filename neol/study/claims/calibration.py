@@ -24,7 +24,7 @@ from neol.study.claims.looks import LOOKS
 from neol.study.claims.questions import RULES, load_questions
 from neol.study.claims.verdicts import AGAINST, FOR, UNASKED, Verdict
 from neol.study.outcomes.outcomes import METRICS, Outcomes
-from neol.study.outcomes.paper_numbers import values
+from neol.study.outcomes.paper_numbers import PRINTED_IN, values
 from neol.study.outcomes.statistics import Floats
 
 PAGE = ROOT / "docs" / "explanation" / "verdicts.md"
@@ -150,10 +150,10 @@ def write_section(studies: int, page: Path = PAGE) -> None:
 
 def _truth(truth: str, cell: Cell, metric: str) -> tuple[float, float]:
     """Return mean and deviation of a run of this cell."""
-    score = metric == "score"
+    outcome = "score" if metric == "score" else "final_best"
     method = cell.method if truth == "paper" else "neat"
-    table = (2, 8) if score else (1, 7)
-    mean, sd = values(table[method == "neat_wo"])[cell.task, method]
+    baseline = "neat_wo" if method == "neat_wo" else "neat"
+    mean, sd = values(PRINTED_IN[outcome, baseline])[cell.task, method]
     assert sd is not None
     better = {"shift": RULES, "one better": ("bcm",)}.get(truth, ())
     shift = 1.0 if cell.method in better else 0.0

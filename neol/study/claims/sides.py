@@ -11,16 +11,9 @@ from neol.study.campaign.grid import Cell
 from neol.study.claims.effect import Statistic, Summary
 from neol.study.claims.questions import Side
 from neol.study.outcomes.outcomes import Metric, Outcomes
-from neol.study.outcomes.paper_numbers import PAPER_SEEDS, settings, values
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS, PRINTED_IN, settings, values
 from neol.study.outcomes.statistics import Floats
 
-_TABLES = {
-    ("final_best", "neat"): 1,
-    ("final_best", "neat_wo"): 7,
-    ("score", "neat"): 2,
-    ("score", "neat_wo"): 8,
-}
-"""The paper's table of means by outcome and baseline."""
 _PRINTED = {"final_best": ("table3", "table4"), "score": ("largest",)}
 """Choices of cells whose means the paper prints, by outcome."""
 
@@ -114,7 +107,7 @@ def printed(
     """Return the paper's numbers of some methods, from the table with this baseline."""
     if side.cells not in _PRINTED.get(outcome, ()) or baseline not in ("neat", "neat_wo"):
         return None
-    table = values(_TABLES[outcome, baseline])
+    table = values(PRINTED_IN[outcome, baseline])
     found = [table.get((task, method), (None, None)) for method in methods]
     numbers = [(mean, sd) for mean, sd in found if mean is not None and sd is not None]
     return Summary.printed(numbers, PAPER_SEEDS) if len(numbers) == len(found) else None

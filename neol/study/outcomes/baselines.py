@@ -19,7 +19,7 @@ from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS, run_specs
 from neol.study.campaign.search import BASELINES, baseline_blocks, source
 from neol.study.outcomes.campaign_runs import SECONDS_IN_AN_HOUR, Source
-from neol.study.outcomes.paper_numbers import PAPER_SEEDS, values
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS, PRINTED_IN, values
 from neol.study.outcomes.score import (
     PAPER_GENERATIONS,
     PAPER_POPULATION,
@@ -34,13 +34,13 @@ COUNTINGS = ("of the generation", "so far")
 QUANTITIES = ("final", "mean")
 """Best fitness in the last generation, and averaged over generations."""
 LEVEL = 0.99
-_PAPER_TABLES = {("neat", "final"): 1, ("neat_wo", "final"): 7}
-_PAPER_TABLES |= {("neat", "mean"): 2, ("neat_wo", "mean"): 8}
+_OUTCOMES = {"final": "final_best", "mean": "score"}
+"""The outcome from whose printed values each quantity follows: SCORE is a mean in other units."""
 
 
 def paper_number(method: str, quantity: str) -> tuple[float, float]:
     """Return the paper's mean and standard deviation over its 30 seeds."""
-    mean, sd = values(_PAPER_TABLES[method, quantity])[TASK, method]
+    mean, sd = values(PRINTED_IN[_OUTCOMES[quantity], method])[TASK, method]
     assert sd is not None
     unit = PAPER_SAMPLES / (PAPER_POPULATION * PAPER_GENERATIONS) if quantity == "mean" else 1.0
     return mean * unit, sd * unit

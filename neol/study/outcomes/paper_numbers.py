@@ -1,16 +1,22 @@
 """The paper's own numbers, as transcribed in paper/reference/."""
 
-import csv
 import math
 from collections.abc import Iterable
 from functools import cache
 
-from neol.study.campaign.grid import REFERENCE
+from neol.study.campaign.reference import printed_rows
 from neol.study.outcomes.contrasts import Moments
 from neol.study.outcomes.statistics import paper_statistic
 
 PAPER_SEEDS = 30
 """Seeds of each method in the paper."""
+PRINTED_IN = {
+    ("final_best", "neat"): 1,
+    ("score", "neat"): 2,
+    ("final_best", "neat_wo"): 7,
+    ("score", "neat_wo"): 8,
+}
+"""The paper's table of means by outcome and baseline."""
 
 _TWO_SIDED = (
     "The caption describes the one-sided test, but the paper's p-values are two-sided: with normal "
@@ -67,7 +73,7 @@ def values(table: int) -> dict[tuple[str, str], tuple[float, float | None]]:
     """Return value and deviation by task and column of Tables 1, 2, 5-8; a p-value has none."""
     return {
         (row["task"], row["column"]): (float(row["value"]), _optional(row["sd"]))
-        for row in _rows("tables", table)
+        for row in printed_rows("tables", table)
     }
 
 
@@ -96,14 +102,8 @@ def settings(table: int) -> dict[tuple[str, str], tuple[int, float | None]]:
     """Return population and learning rate by task and method, from Table 3 or 4."""
     return {
         (row["task"], row["method"]): (int(row["population"]), _optional(row["learning_rate"]))
-        for row in _rows("configurations", table)
+        for row in printed_rows("configurations", table)
     }
-
-
-@cache
-def _rows(name: str, table: int) -> tuple[dict[str, str], ...]:
-    with (REFERENCE / f"{name}.csv").open(encoding="utf-8", newline="") as file:
-        return tuple(row for row in csv.DictReader(file) if row["table"] == str(table))
 
 
 def _optional(number: str) -> float | None:

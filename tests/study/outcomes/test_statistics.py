@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from neol.study.campaign.grid import REFERENCE
+from neol.study.campaign.reference import REFERENCE
 from neol.study.outcomes.contrasts import Moments, difference
 from neol.study.outcomes.statistics import (
     Floats,

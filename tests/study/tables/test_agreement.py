@@ -10,7 +10,8 @@ import pytest
 from scipy import stats
 
 from neol.spec.configuration import ROOT
-from neol.study.campaign.grid import REFERENCE, RESULTS, Cell
+from neol.study.campaign.grid import RESULTS, Cell
+from neol.study.campaign.reference import REFERENCE
 from neol.study.campaign.shown import select
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.statistics import holm

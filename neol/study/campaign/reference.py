@@ -1,0 +1,15 @@
+"""The paper's tables, as transcribed in paper/reference/."""
+
+import csv
+from functools import cache
+
+from neol.spec.configuration import ROOT
+
+REFERENCE = ROOT / "paper" / "reference"
+
+
+@cache
+def printed_rows(name: str, table: int) -> tuple[dict[str, str], ...]:
+    """Return the rows of one of the paper's tables from a file: `configurations` or `tables`."""
+    with (REFERENCE / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        return tuple(row for row in csv.DictReader(file) if row["table"] == str(table))
