@@ -18,18 +18,17 @@ from neol.cli.application import (
     examples,
     one_reading,
 )
-from neol.network.rules import MUTATED, RULES, WITHOUT_RULE
+from neol.network.rules import RULES, method_names
 from neol.spec.types import LARGEST_SEED
 
 if TYPE_CHECKING:
     from neol.run.record import Record
 
 MAX_SEEDS = 10_000
-METHOD_NAMES = (*WITHOUT_RULE, *RULES, *MUTATED)
 
 
 def _methods(incomplete: str) -> list[str]:
-    return [name for name in METHOD_NAMES if name.startswith(incomplete)]
+    return [name for name in method_names() if name.startswith(incomplete)]
 
 
 @app.command(

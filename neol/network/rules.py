@@ -20,9 +20,8 @@ Change = Callable[[float, float, float, float], float]
 NO_RULE = "none"
 WITHOUT_RULE = ("neat", "neat_wo")
 """Methods without online learning. All others except `MUTATED` have the name of their rule."""
-MUTATED = ("bcm_mutated", "hebb_mutated", "oja_mutated")
-"""The paper's rules with weight mutation. The paper does not run them; they complete the
-two-by-two of rule and weight mutation."""
+MUTATED = {"bcm_mutated": "bcm", "hebb_mutated": "hebb", "oja_mutated": "oja"}
+"""Methods with both a rule and weight mutation, and their rules; the paper has none of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +36,11 @@ class Rule:
 
 RULES: dict[str, Rule] = {}
 """Rules by name, in the order in which they were added."""
+
+
+def method_names() -> list[str]:
+    """Return the names of all methods that a configuration may have."""
+    return [*WITHOUT_RULE, *RULES, *MUTATED]
 
 
 def rule(change: Change) -> Change:

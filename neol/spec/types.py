@@ -17,7 +17,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from neol.network.rules import MUTATED, NO_RULE, RULES, WITHOUT_RULE
+from neol.network.rules import NO_RULE, RULES, method_names
 
 
 class Model(BaseModel):
@@ -85,7 +85,7 @@ class _OneOf:
 
 
 RuleName = Annotated[str, _OneOf(lambda: [NO_RULE, *RULES])]
-MethodName = Annotated[str, _OneOf(lambda: [*WITHOUT_RULE, *RULES, *MUTATED])]
+MethodName = Annotated[str, _OneOf(method_names)]
 
 
 def _in_words(sentence: LiteralString) -> WrapValidator:

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from neol.cli import app
 from neol.cli.application import COMMANDS, EXIT_CODES
-from neol.cli.run import METHOD_NAMES
+from neol.network.rules import method_names
 from neol.spec.configuration import ROOT, budgets
 from neol.spec.readings import DEFAULT_READING
 from neol.study.outcomes.campaign_runs import Campaign
@@ -141,7 +141,7 @@ def completions(line: str) -> list[str]:
 def test_bash_completes_commands_options_and_values() -> None:
     assert completions("neol ma") == ["manifest"]
     assert completions("neol run --meth") == ["--method"]
-    assert completions("neol run --method ") == list(METHOD_NAMES)
+    assert completions("neol run --method ") == method_names()
     assert completions("neol config --budget ") == budgets()
 
 

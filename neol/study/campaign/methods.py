@@ -1,6 +1,6 @@
 """The methods that tables and figures compare, and their order."""
 
-from neol.network.rules import WITHOUT_RULE
+from neol.network.rules import MUTATED, WITHOUT_RULE
 from neol.pictures.labels import METHOD_LABELS
 from neol.spec.constants import Budget
 
@@ -20,9 +20,9 @@ def shown_methods(budget: Budget) -> tuple[str, ...]:
 
 def mutated(rule: str) -> str:
     """Return the method of a rule with weight mutation: the fourth cell of the two-by-two."""
-    return f"{rule}_mutated"
+    return next(method for method, of in MUTATED.items() if of == rule)
 
 
 def without_mutation(method: str) -> str:
     """Return the rule of a method with weight mutation; any other method unchanged."""
-    return method.removesuffix("_mutated")
+    return MUTATED.get(method, method)
