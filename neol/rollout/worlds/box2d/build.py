@@ -45,16 +45,6 @@ from neol.rollout.worlds.box2d.library import (
 
 COMPILER_FAILED = "the C++ compiler failed"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion")
-SANITIZE = (
-    "-std=c++17",
-    "-Og",
-    "-g1",
-    "-fno-access-control",
-    "-fsanitize=address,undefined",
-    "-fno-sanitize=null,vptr",  # null crashes without it; both are slow to compile
-    "-fno-sanitize-recover=all",
-)
-"""Flags of the core in tests, in place of FLAGS: bad access and undefined behaviour are fatal."""
 
 EPISODES, STEPS = 20, 100
 """Episodes that must equal Gymnasium's, more than a vector holds, and their largest length."""
