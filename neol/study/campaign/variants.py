@@ -101,7 +101,7 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
                 seed=FIRST_SEED,
             ),
             seeds=range(FIRST_SEED, FIRST_SEED + min(len(budget.seeds_of(task)), most.seeds)),
-            record=folder(configuration, name) / f"{task}_{method}.parquet",
+            record=_variant_folder(configuration, name) / f"{task}_{method}.parquet",
         )
         for task in budget.tasks
         if task in most.tasks
@@ -109,6 +109,6 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
     ]
 
 
-def folder(configuration: Configuration, name: str) -> Path:
+def _variant_folder(configuration: Configuration, name: str) -> Path:
     """Return a variant's folder below the results folder: .../smoke/sensitivity/beta-0.001."""
     return home(configuration) / "sensitivity" / re.sub(r"[^\w.]+", "-", name)
