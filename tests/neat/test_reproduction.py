@@ -121,16 +121,14 @@ def test_only_survivors_become_parents() -> None:
 
 
 def test_numbers_only_grow() -> None:
-    """Each generation adds connections and nodes, which all have numbers of their own."""
-    population, innovations = evolve(5, add_connection_rate=0.9, add_node_rate=0.9)
-    assert population.first_id == 30 * 5
-    found = [evolve(generations, add_connection_rate=0.9, add_node_rate=0.9)[1]
-             for generations in range(1, 5)]  # fmt: skip
-    numbers = [(each.next_innovation, each.next_node) for each in (*found, innovations)]
-    for before, after in pairwise(numbers):
-        assert before[0] < after[0] and before[1] < after[1]
-    used = {number for genome in population for number in genome.connections["innovation"]}
-    assert max(used) < innovations.next_innovation
+    """Each generation adds connections and nodes, and all of them have new numbers."""
+    found = [evolve(count, add_connection_rate=0.9, add_node_rate=0.9) for count in range(6)]
+    for (_, before), (population, after) in pairwise(found):
+        genes = np.concatenate([genome.connections for genome in population])
+        assert genes["innovation"].max() == after.next_innovation - 1 >= before.next_innovation
+        nodes = np.concatenate([genome.nodes for genome in population])
+        assert nodes["id"].max() == after.next_node - 1 >= before.next_node
+    assert [population.first_id for population, _ in found] == [30 * count for count in range(6)]
 
 
 BUSY = {
