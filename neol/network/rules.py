@@ -19,9 +19,9 @@ Change = Callable[[float, float, float, float], float]
 
 NO_RULE = "none"
 WITHOUT_RULE = ("neat", "neat_wo")
-"""Methods without online learning. All others except `MUTATED` have the name of their rule."""
-MUTATED = {"bcm_mutated": "bcm", "hebb_mutated": "hebb", "oja_mutated": "oja"}
-"""Methods with both a rule and weight mutation, and their rules; the paper has none of them."""
+"""Methods without online learning."""
+MUTATED = "_mutated"
+"""Ending of the methods with both a rule and weight mutation, such as oja_mutated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +39,8 @@ RULES: dict[str, Rule] = {}
 
 
 def method_names() -> list[str]:
-    """Return the names of all methods that a configuration may have."""
-    return [*WITHOUT_RULE, *RULES, *MUTATED]
+    """Return the names of all methods: each rule makes two, without and with weight mutation."""
+    return [*WITHOUT_RULE, *RULES, *(name + MUTATED for name in RULES)]
 
 
 def rule(change: Change) -> Change:
@@ -55,8 +55,12 @@ def rule(change: Change) -> Change:
         raise UserError(f"rule {name}: must be a function of (x, y, w, theta)")
     if not re.fullmatch("[a-z][a-z0-9_]*", name):
         raise UserError(f"rule {name}: its name must be lower case, like decaying_hebb")
+    if name.endswith(MUTATED):
+        raise UserError(
+            f"rule {name}: its name must not end in {MUTATED}, which stands for weight mutation"
+        )
     elsewhere = name in RULES and RULES[name].change.__module__ != change.__module__
-    if elsewhere or name in (NO_RULE, *WITHOUT_RULE, *MUTATED):
+    if elsewhere or name in (NO_RULE, *WITHOUT_RULE):
         raise UserError(f"rule {name}: the name is taken, choose another")
     RULES[name] = Rule(name, (inspect.getdoc(change) or "").partition("\n")[0], change)
     return change

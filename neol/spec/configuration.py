@@ -17,7 +17,7 @@ from pydantic import ValidationError
 
 from neol.base.errors import FOREIGN, UserError, described, hint, one_line
 from neol.base.files import write_atomically
-from neol.network.rules import RULES
+from neol.network.rules import MUTATED, RULES
 from neol.spec.constants import (
     Budget,
     Evaluation,
@@ -244,12 +244,13 @@ def reading_schema() -> dict[str, Any]:
 
 
 def _add_methods(overlay: Overlay) -> None:
-    """Add a method for each rule that the files do not name, configured like the paper's three."""
+    """Add each rule's methods, without and with weight mutation, that the files do not name."""
     methods = overlay.values.get("methods")
-    for name in RULES:
-        if isinstance(methods, dict) and name not in methods:
-            constants = {"rule": name, "weight_mutation": "off"}
-            overlay.add(("methods", name), constants, "neol/network/rules.py")
+    for rule in RULES:
+        for method, mutation in ((rule, "off"), (rule + MUTATED, "config")):
+            if isinstance(methods, dict) and method not in methods:
+                constants = {"rule": rule, "weight_mutation": mutation}
+                overlay.add(("methods", method), constants, "neol/network/rules.py")
 
 
 def _name(overlay: Overlay, loc: tuple[str, ...], name: str) -> None:

@@ -54,12 +54,15 @@ def test_a_rule_is_known_everywhere_at_once() -> None:
     assert (RULES["leaky"].name, RULES["leaky"].meaning) == ("leaky", "Hebb's rule, leaking.")
     assert learned("leaky") == 2.0 + 0.5 - 1.0
     configuration = load_configuration("smoke", ["budget.methods=[leaky, bcm]"])
-    assert list(configuration.methods) == [*before.methods, "leaky"]
+    assert list(configuration.methods) == [*before.methods, "leaky", "leaky_mutated"]
     assert configuration.budget.methods == ("leaky", "bcm")
     assert configuration.methods["leaky"].weight_mutation == "off"
+    both = configuration.methods["leaky_mutated"]
+    assert (both.rule, both.weight_mutation) == ("leaky", "config")
     definitions = configuration_schema()["$defs"]
     assert definitions["Method"]["properties"]["rule"]["enum"][-1] == "leaky"
-    assert "leaky" in definitions["Budget"]["properties"]["methods"]["items"]["enum"]
+    named = definitions["Budget"]["properties"]["methods"]["items"]["enum"]
+    assert {"leaky", "leaky_mutated"} <= set(named)
 
 
 def test_the_configuration_may_say_otherwise() -> None:
@@ -124,6 +127,7 @@ def test_what_cannot_be_a_rule() -> None:
     assert "rule hebb: the name is taken" in refusal(named("hebb"))
     for name in ("none", "neat", "neat_wo"):
         assert f"rule {name}: the name is taken" in refusal(named(name))
+    assert "rule my_mutated: its name must not end in _mutated" in refusal(named("my_mutated"))
 
 
 def two(x: float, y: float) -> float:

@@ -20,9 +20,9 @@ def shown_methods(budget: Budget) -> tuple[str, ...]:
 
 def mutated(rule: str) -> str:
     """Return the method of a rule with weight mutation: the fourth cell of the two-by-two."""
-    return next(method for method, of in MUTATED.items() if of == rule)
+    return rule + MUTATED
 
 
 def without_mutation(method: str) -> str:
     """Return the rule of a method with weight mutation; any other method unchanged."""
-    return MUTATED.get(method, method)
+    return method.removesuffix(MUTATED)
