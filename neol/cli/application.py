@@ -185,7 +185,8 @@ def examples(*lines: str) -> str:
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
 
 
-def _budgets(incomplete: str) -> list[str]:
+def complete_budget(incomplete: str) -> list[str]:
+    """Return the budgets whose names begin with what was typed."""
     from neol.spec.configuration import budgets
 
     return [name for name in budgets() if name.startswith(incomplete)]
@@ -213,7 +214,7 @@ BudgetOption = Annotated[
     typer.Option(
         help="Budget that sets constants: one of config/ such as desk, or the path of a .yaml file "
         "like those; default: paper.",
-        autocompletion=_budgets,
+        autocompletion=complete_budget,
     ),
 ]
 ReadingOption = Annotated[

@@ -11,10 +11,10 @@ import typer
 from neol.base.ending import complain
 from neol.base.errors import INTERRUPTED, TERMINATED, UserError
 from neol.cli.application import (
-    BudgetOption,
     Overrides,
     ReadingOption,
     app,
+    complete_budget,
     examples,
     one_reading,
 )
@@ -72,7 +72,14 @@ def run(
     write_back: Annotated[
         bool | None, typer.Option("--write-back/--no-write-back", help="Inherit learned weights.")
     ] = None,
-    budget: BudgetOption = None,
+    budget: Annotated[
+        str | None,
+        typer.Option(
+            help="Budget whose constants apply (held-out episodes, step limits); its grid is not "
+            "used; default: paper.",
+            autocompletion=complete_budget,
+        ),
+    ] = None,
     reading: ReadingOption = None,
     overrides: Overrides = None,
     engine: Annotated[

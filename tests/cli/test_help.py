@@ -25,7 +25,7 @@ from tests.helpers.made_up import configuration, write_campaign
 GROUP: Any = typer.main.get_command(app)
 NAMES = GROUP.list_commands(None)
 SHARED = {
-    "--budget": "Budget that sets constants",
+    "--budget": "Budget ",
     "--output": "",
     "--quiet": "Print errors only.",
     "--seed": "",
@@ -68,6 +68,12 @@ def test_the_help_names_the_exit_codes() -> None:
 @pytest.mark.parametrize("command", ["run", "config"])
 def test_the_help_names_the_default_reading(command: str) -> None:
     assert f"config/readings/; default: {DEFAULT_READING}." in " ".join(page(command).split())
+
+
+def test_the_help_of_a_run_says_what_a_budget_and_a_method_are() -> None:
+    text = " ".join(page("run").split())
+    assert "hebb, oja, bcm, or RULE_mutated (a rule with weight mutation)." in text
+    assert "Budget whose constants apply (held-out episodes, step limits); its grid is not" in text
 
 
 def test_help_and_version() -> None:
