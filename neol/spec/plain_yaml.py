@@ -1,5 +1,6 @@
 """YAML 1.2 from untrusted files: plain values only, in the amount that a configuration needs."""
 
+import re
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ MAX_VALUES = 2**15
 """Limit with every alias expanded: a few lines of nested aliases could stand for billions."""
 PLAIN = {f"tag:yaml.org,2002:{k}" for k in ("null", "bool", "int", "float", "str", "seq", "map")}
 """Types of JSON: no dates, sets, bytes or merged mappings."""
+SURROGATE = re.compile(r"[\ud800-\udfff]")
+"""Half a character of UTF-16, which an escape can write and JSON cannot hold."""
 
 
 class _PlainConstructor(SafeConstructor):
@@ -29,6 +32,8 @@ class _PlainConstructor(SafeConstructor):
             seen += 1
             if each.tag not in PLAIN:
                 _refuse(f"{each.tag} is not a plain value", each)
+            if isinstance(each, ScalarNode) and SURROGATE.search(each.value):
+                _refuse("not a character of Unicode", each)
             if isinstance(each, SequenceNode):
                 waiting += each.value
             elif isinstance(each, MappingNode):

@@ -56,6 +56,7 @@ TOKENS = [
     b"_",
     b'""',
     b'"\\UFFFFFFFF"',
+    b'"\\uD800"',
     b"\0",
     b"\xff",
     b'"',

@@ -43,6 +43,7 @@ LAUGHS = "\n".join(
         ('!!float ""', "test: not a value of its kind"),
         ("!!float _", "test: not a value of its kind"),
         ('"\\UFFFFFFFF"', "test: not a value of its kind"),
+        ('"\\uD800"', "test, line 1: not a character of Unicode"),
         ("{a: 2001-01-01}", "test, line 1: tag:yaml.org,2002:timestamp is not a plain value"),
         ("!!binary YQ==", "binary is not a plain value"),
         ("{<<: {a: 1}}", "merge is not a plain value"),
