@@ -29,7 +29,7 @@ def dangers(source: str) -> list[str]:
         name = node.func.attr if isinstance(node.func, ast.Attribute) else ast.unparse(node.func)
         call = ast.unparse(node)
         wrong = (
-            (name in FORBIDDEN_CALLS and ast.unparse(node.func) != "re.compile")
+            (name in FORBIDDEN_CALLS and node.args and ast.unparse(node.func) != "re.compile")
             or "typ='unsafe'" in call
             or (
                 name == "load"
@@ -38,7 +38,7 @@ def dangers(source: str) -> list[str]:
             )
             or "shell=True" in call
         )
-        found += [call] * wrong
+        found += [call] if wrong else []
     return found
 
 
@@ -55,7 +55,9 @@ def test_dangers_are_seen() -> None:
         "subprocess.run(x, shell=True)",
     ):
         assert len(dangers(source)) == 1, source
-    harmless = "re.compile(x); YAML(typ='safe').load(x); np.load(x, allow_pickle=False)"
+    harmless = (
+        "re.compile(x); f.compile(); YAML(typ='safe').load(x); np.load(x, allow_pickle=False)"
+    )
     assert dangers(harmless) == []
 
 
