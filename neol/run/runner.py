@@ -168,9 +168,8 @@ def run_block(
     if record is not None and not partial_folder(output).exists():
         return record
     with claim(output, wait=resume, keep=keep_partial) as workspace:
-        record = _complete(
-            output, spec, seeds, label, resume
-        )  # another process may have finished it
+        # Another process may have finished it meanwhile.
+        record = _complete(output, spec, seeds, label, resume)
         if record is None:
             if any(workspace.glob("seed_*")) and not resume:
                 raise UserError(

@@ -9,14 +9,14 @@ from typing import Any
 import pandas as pd
 
 from neol.base.files import write_atomically
-from neol.pictures.labels import three_figures, with_interval
+from neol.pictures.labels import three_figures
 from neol.study.campaign.grid import cells
 from neol.study.claims import verdicts
 from neol.study.claims.answers import Answer, Finding
 from neol.study.claims.effect import Effect
 from neol.study.claims.plan import frozen_plan
 from neol.study.claims.questions import Claim, Question
-from neol.study.claims.units import in_print, unit_of
+from neol.study.claims.units import in_print, interval_in_print, unit_of
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_NOTE
 from neol.study.outcomes.statistics import ALPHA
@@ -218,7 +218,7 @@ def _anchor(answer: Answer) -> str:
 
 
 def _effect(question: Question, effect: Effect | None, low: float, high: float) -> str:
-    return with_interval(*in_print(question, _value(effect), low, high))
+    return interval_in_print(question, _value(effect), low, high)
 
 
 def _value(effect: Effect | None) -> float:

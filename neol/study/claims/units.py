@@ -2,6 +2,7 @@
 
 import math
 
+from neol.pictures.labels import with_interval
 from neol.study.claims.questions import Difference, Interaction, Question
 
 _OUTCOMES = {"final_best": "return", "score": "SCORE", "held_out": "return"}
@@ -24,3 +25,8 @@ def in_print(question: Question, *values: float) -> tuple[float, ...]:
     if isinstance(question, Difference) and question.statistic == "spread":
         return tuple(math.exp(value) for value in values)
     return values
+
+
+def interval_in_print(question: Question, value: float, low: float, high: float) -> str:
+    """Format an effect with its interval, in the unit of print; "--" if there is none."""
+    return with_interval(*in_print(question, value, low, high))

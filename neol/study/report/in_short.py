@@ -14,7 +14,7 @@ from neol.study.claims.questions import load_questions, main_questions
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
-from neol.study.report.speciation import crowded_cells, species_by_cell, without_weights
+from neol.study.report.speciation import crowded_cells, without_weights
 from neol.study.report.words import marked_name
 
 TERMS = (
@@ -47,16 +47,19 @@ class Point(NamedTuple):
 
 
 def in_short(
-    campaign: Campaign, ledger: pd.DataFrame, effects: pd.DataFrame, selection: pd.DataFrame
+    campaign: Campaign,
+    species: pd.DataFrame,
+    ledger: pd.DataFrame,
+    effects: pd.DataFrame,
+    selection: pd.DataFrame,
 ) -> list[Point]:
-    """Return the points: from runs, and from the tables of verdicts, effects, selection bias."""
+    """Return the points, from the tables of species, verdicts, effects and selection bias."""
     points = [
         Point("The paper's questions.", questions_answered(ledger)),
         Point("The rules against NEAT.", against_neat(effects)),
         Point("Is that learning?", is_it_learning(effects)),
         Point("In fresh episodes.", in_fresh_episodes(selection)),
     ]
-    species = species_by_cell(campaign)
     if crowded := crowded_cells(species):
         found = in_crowded_cells(crowded, without_weights(campaign, species))
         points.insert(3, Point("Or is it speciation?", found))

@@ -9,10 +9,10 @@ from typing import Any
 
 import pandas as pd
 
-from neol.pictures.labels import listed, method_label, task_label, three_figures, with_interval
+from neol.pictures.labels import listed, method_label, task_label, three_figures
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import Difference, main_questions
-from neol.study.claims.units import in_print
+from neol.study.claims.units import in_print, interval_in_print
 from neol.study.claims.verdicts import AGAINST, FOR
 from neol.study.report.in_short import ANSWERS, Point
 
@@ -93,7 +93,6 @@ def _answer(question: Difference, row: Mapping[Hashable, Any]) -> str:
         return NOT_RUN
     answer = (ANSWERS | UNDECIDED)[verdict]
     reason = f" ({row['reason']})" if isinstance(row["reason"], str) and row["reason"] else ""
-    numbers = (row[name] for name in ("effect", "low", "high", "paper_effect"))
-    effect, low, high, paper = in_print(question, *numbers)
-    ours = with_interval(effect, low, high)
-    return f"{answer}{reason}: {ours}; the paper's {three_figures(paper)}"
+    ours = interval_in_print(question, row["effect"], row["low"], row["high"])
+    papers = three_figures(*in_print(question, row["paper_effect"]))
+    return f"{answer}{reason}: {ours}; the paper's {papers}"

@@ -45,6 +45,7 @@ from neol.study.report.levels import levels_reached
 from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
 from neol.study.report.results import answered
 from neol.study.report.showcase import Showcase, Shown
+from neol.study.report.speciation import species_by_cell
 from neol.study.workflow.exhibits import Exhibit, exhibits
 
 NAMES = TASK_LABELS | METHOD_LABELS
@@ -95,7 +96,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         main_claims=by_task(ledger),
         about_main_claims=ABOUT,
         terms=" ".join(TERMS),
-        in_short=in_short(campaign, ledger, effects, selection),
+        in_short=in_short(campaign, species_by_cell(campaign), ledger, effects, selection),
         levels=levels_reached(selection),
         questions=questions,
         decided=[each for each in questions if each["verdict"] not in UNASKED],

@@ -114,12 +114,13 @@ def _in_words(campaign: Campaign, figures: Path) -> dict[str, str]:
     selection = verified_frame(figures / "beyond_selection.csv")
     ledger = verified_frame(figures / "claims.csv")
     species = species_by_cell(campaign)
+    points = in_short(campaign, species, ledger, effects, selection)
     return {
         "differences": _items(words.differences(effects, FITNESS, "neat")),
         "differencesablation": _items(words.differences(effects, FITNESS, "neat_wo")),
         "inshort": "".join(
             rf"\item \textbf{{{escape(point.lead)}}} {escape(point.text.replace('`', ''))} "
-            for point in [do_they_hold(ledger), *in_short(campaign, ledger, effects, selection)]
+            for point in (do_they_hold(ledger), *points)
         ),
         "aftercorrection": escape(words.after_correction(effects)),
         "selectionbias": _items(levels_reached(selection)),

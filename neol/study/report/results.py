@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 
 from neol.base.files import write_atomically
-from neol.pictures.labels import listed, task_label, three_figures, with_interval
+from neol.pictures.labels import listed, task_label, three_figures
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.cost import core_hours
@@ -20,8 +20,8 @@ from neol.study.campaign.grid import cells
 from neol.study.campaign.shown import chosen_tasks, snakemake_options
 from neol.study.claims.ledger import WHOLE, seeds_and_level
 from neol.study.claims.plan import frozen_plan
-from neol.study.claims.questions import Question, load_claims, load_questions
-from neol.study.claims.units import in_print, unit_of
+from neol.study.claims.questions import load_claims, load_questions
+from neol.study.claims.units import interval_in_print, unit_of
 from neol.study.claims.verdicts import UNASKED
 from neol.study.outcomes.campaign_runs import Campaign, costs
 from neol.study.outcomes.contrasts import WHY_THEY_DIFFER
@@ -87,7 +87,9 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         do_they_hold=do_they_hold(ledger).markdown(),
         main_claims=by_task(ledger),
         about_main_claims=ABOUT,
-        in_short=[point.markdown() for point in in_short(campaign, ledger, effects, selection)],
+        in_short=[
+            point.markdown() for point in in_short(campaign, species, ledger, effects, selection)
+        ],
         levels=levels_reached(selection),
         against_neat=words.effects_table(effects, "neat"),
         against_ablation=words.effects_table(effects, "neat_wo"),
@@ -151,20 +153,19 @@ def answered(ledger: pd.DataFrame) -> list[dict[Hashable, Any]]:
     claims = load_claims()
     rows = ledger[ledger["part"] == WHOLE].to_dict("records")
     for row in rows:
-        name = row["question"]
-        question = asked[name]
-
-        def printed(*columns: str, question: Question = question, row: Any = row) -> str:
-            return with_interval(*in_print(question, *(row[column] for column in columns)))
-
+        question = asked[row["question"]]
         row |= {
             "ask": question.ask,
             "unit": unit_of(question) or "--",
-            "ours": printed("effect", "low", "high"),
-            "papers": printed("paper_effect", "paper_low", "paper_high"),
-            "fresh": printed("fresh_effect", "fresh_low", "fresh_high"),
+            "ours": interval_in_print(question, row["effect"], row["low"], row["high"]),
+            "papers": interval_in_print(
+                question, row["paper_effect"], row["paper_low"], row["paper_high"]
+            ),
+            "fresh": interval_in_print(
+                question, row["fresh_effect"], row["fresh_low"], row["fresh_high"]
+            ),
             "seeds_and_level": seeds_and_level(row["seeds"], row["level"]),
-            "quotes": [claim for claim in claims if name in claim.questions],
+            "quotes": [claim for claim in claims if question.id in claim.questions],
         }
     return rows
 

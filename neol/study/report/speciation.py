@@ -1,6 +1,7 @@
 """How many species the populations had, which decides what speciation did to a method's runs."""
 
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import astuple, fields
 from statistics import mean, stdev
 from typing import Any
 
@@ -21,8 +22,8 @@ WITHOUT_WEIGHTS = "neat.weight_coefficient=0.0"
 def species_by_cell(campaign: Campaign) -> pd.DataFrame:
     """Return a row for each cell with runs: its place in the grid, and means over generations.
 
-    `species` is their number, `single` the share of generations with one, `crowded` the share in
-    which the places that every species keeps (`min_species_size`) fill the population.
+    `species` is their number, `crowded` the share of generations in which the places that every
+    species keeps (`min_species_size`) fill the population.
     """
     kept = campaign.configuration.neat.min_species_size
     rows = []
@@ -32,10 +33,9 @@ def species_by_cell(campaign: Campaign) -> pd.DataFrame:
         species = campaign.runs(cell).rows["species"]
         if len(species):
             crowded = species * kept >= cell.population
-            shares = species.mean(), (species == 1).mean(), crowded.mean()
-            rows.append((cell.task, cell.method, cell.population, cell.learning_rate, *shares))
-    columns = ["task", "method", "population", "learning_rate", "species", "single", "crowded"]
-    return pd.DataFrame(rows, columns=columns)
+            rows.append((*astuple(cell), species.mean(), crowded.mean()))
+    places = [field.name for field in fields(Cell)]
+    return pd.DataFrame(rows, columns=[*places, "species", "crowded"])
 
 
 def species_by_task(species: pd.DataFrame) -> list[str]:
@@ -55,7 +55,7 @@ def crowded_cells(species: pd.DataFrame) -> str:
     """Name the cells that are crowded in most generations; empty if there are none."""
     return "; ".join(
         f"{task_label(str(task))}, P = {population}: {listed(map(_named, rows.to_dict('records')))}"
-        for (task, population), rows in species[species["crowded"] > CROWDED].groupby(
+        for (task, population), rows in _crowded(species).groupby(
             ["task", "population"], sort=False
         )
     )
@@ -71,7 +71,7 @@ def without_weights(campaign: Campaign, species: pd.DataFrame) -> list[str]:
     configuration = load_configuration(PAPER_BUDGET, reading=reading)
     other, known = Campaign(configuration, RESULTS, partial=True), cells(configuration)
     sentences = []
-    for row in species[species["crowded"] > CROWDED].to_dict("records"):
+    for row in _crowded(species).to_dict("records"):
         cell = Cell(row["task"], row["method"], row["population"], row["learning_rate"])
         if cell not in known or not other.runs(cell).final_best:
             continue
@@ -84,6 +84,10 @@ def without_weights(campaign: Campaign, species: pd.DataFrame) -> list[str]:
             f"({len(seeds)} seeds)"
         )
     return sentences
+
+
+def _crowded(species: pd.DataFrame) -> pd.DataFrame:
+    return species[species["crowded"] > CROWDED]
 
 
 def _moments(values: Mapping[int, float], seeds: Sequence[int]) -> str:

@@ -15,7 +15,7 @@ from neol.study.report.speciation import (
     without_weights,
 )
 
-COLUMNS = ["task", "method", "population", "learning_rate", "species", "single", "crowded"]
+COLUMNS = ["task", "method", "population", "learning_rate", "species", "crowded"]
 
 
 def test_every_cell_with_runs_has_a_row(campaign: Campaign) -> None:
@@ -27,7 +27,7 @@ def test_every_cell_with_runs_has_a_row(campaign: Campaign) -> None:
 def test_without_weights_the_same_seeds_are_compared() -> None:
     shipped = Campaign(load_configuration("evidence"), RESULTS)
     cell = Cell("lunar_lander", "bcm", 300, 0.25)
-    rows = [(*astuple(cell), 144.5, 0.0, 0.54), ("lunar_lander", "oja", 300, 0.25, 150, 0.0, 0.6)]
+    rows = [(*astuple(cell), 144.5, 0.54), ("lunar_lander", "oja", 300, 0.25, 150, 0.6)]
     (sentence,) = without_weights(shipped, pd.DataFrame(rows, columns=COLUMNS))
     ends = [end for seed, end in shipped.runs(cell).final_best.items() if seed < 10]
     assert sentence.startswith("BCM at rate 0.25 has ")
@@ -37,9 +37,9 @@ def test_without_weights_the_same_seeds_are_compared() -> None:
 
 def test_cells_whose_species_fill_the_population_are_named() -> None:
     rows = [
-        ("lunar_lander", "bcm", 300, 0.25, 144.5, 0.0, 0.54),
-        ("lunar_lander", "bcm", 300, 0.025, 8.4, 0.08, 0.0),
-        ("lunar_lander", "neat", 300, None, 1.2, 0.78, 0.0),
+        ("lunar_lander", "bcm", 300, 0.25, 144.5, 0.54),
+        ("lunar_lander", "bcm", 300, 0.025, 8.4, 0.0),
+        ("lunar_lander", "neat", 300, None, 1.2, 0.0),
     ]
     species = pd.DataFrame(rows, columns=COLUMNS)
     assert crowded_cells(species) == "Lunar Lander, P = 300: BCM at rate 0.25 (144 species)"
