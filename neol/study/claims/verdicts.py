@@ -134,7 +134,7 @@ def _of_difference(
     if paper is None:
         return "inconclusive", ""
     if not predicted and sign * (paper.value - ours.value) > 0:
-        return "not reproduced", "smaller than the paper's numbers predict"
+        return "not reproduced", "outside what the paper's numbers predict"
     low, high = ours.interval(1 - 2 * alpha)
     if (-low if lower else high) < paper.telescope:
         return "not reproduced", "smaller than the paper's seeds could have seen"
