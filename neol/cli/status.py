@@ -23,7 +23,9 @@ PIPED_WIDTH = 200
 def status(
     campaign: Annotated[
         Path,
-        typer.Argument(metavar="CAMPAIGN", help="Folder like results/first/desk, or a budget."),
+        typer.Argument(
+            metavar="CAMPAIGN", help="Folder like results/rare_mutation/demo, or a budget."
+        ),
     ],
     watch: Annotated[
         bool, typer.Option("--watch", help="Update the display until the grid is done.")

@@ -88,7 +88,6 @@ def agree(ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
     [
         (DEFAULT_READING, DEFAULT_BUDGET, ""),
         (DEFAULT_READING, "demo", ""),
-        ("first", "desk", ""),
         ("first", "paper", "cartpole"),
     ],
 )
