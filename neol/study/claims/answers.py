@@ -9,7 +9,8 @@ from typing import Literal
 from scipy import stats
 
 from neol.study.claims.effect import Effect
-from neol.study.claims.evidence import Evidence, evidence, leading
+from neol.study.claims.evidence import Evidence, leading
+from neol.study.claims.kinds import evidence
 from neol.study.claims.looks import LOOKS, level, look, overall_p
 from neol.study.claims.parts import State
 from neol.study.claims.questions import Question

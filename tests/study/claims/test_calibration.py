@@ -17,7 +17,7 @@ from neol.study.claims.calibration import (
     made_up_studies,
     write_section,
 )
-from neol.study.claims.evidence import evidence
+from neol.study.claims.kinds import evidence
 from neol.study.claims.questions import load_questions
 from neol.study.claims.sides import Runs
 from neol.study.outcomes.statistics import ALPHA
