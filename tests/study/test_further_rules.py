@@ -10,7 +10,7 @@ from neol.pictures.style import STYLES, save, styles
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import Cell
 from neol.study.campaign.methods import shown_methods
-from neol.study.figures import effect_figures
+from neol.study.figures import effect_figures, effect_sizes
 from neol.study.figures.paper_figures import figure2, figure3, heatmap
 from neol.study.outcomes import effects
 from neol.study.outcomes.campaign_runs import Campaign
@@ -64,7 +64,7 @@ def test_figures_draw_it(campaign: Campaign, tmp_path: Path) -> None:
     sizes = effects.effect_sizes(outcomes, budget)
     assert set(sizes.loc[sizes["method"] == "leaky", "a12"]) == {1.0}
     figures = [
-        effect_figures.draw_effect_sizes(sizes, budget, "note"),
+        effect_sizes.draw_effect_sizes(sizes, budget, "note"),
         effect_figures.draw_aggregates(effects.aggregates(outcomes, budget), budget, "note"),
         effect_figures.draw_profiles(effects.profiles(outcomes, budget), budget, "note"),
         effect_figures.draw_efficiency(effects.efficiency(outcomes), budget, "note"),

@@ -15,7 +15,7 @@ from neol.pictures.labels import drawn, method_label, task_label
 from neol.pictures.style import GREY, WIDTH, drawing, footer, styles
 from neol.run.record import DOCUMENTATION
 from neol.study.explore.panel import load_record
-from neol.study.figures.plots import draw_curve
+from neol.study.figures.convergence import draw_curve
 from neol.study.outcomes.statistics import Floats, mean_interval
 
 PLASTIC, FROZEN = "#0072B2", "#D55E00"

@@ -10,8 +10,9 @@ from neol.pictures.labels import TASK_LABELS, task_label
 from neol.spec.constants import Budget
 from neol.study.campaign.grid import Cell, cells
 from neol.study.campaign.methods import challengers
+from neol.study.figures.convergence import convergence
 from neol.study.figures.figure import Drawing
-from neol.study.figures.plots import convergence, heatmaps
+from neol.study.figures.heatmaps import heatmaps
 from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates

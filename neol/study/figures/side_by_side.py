@@ -21,7 +21,7 @@ from neol.run.record_file import read_record
 from neol.spec.configuration import budgets, load_configuration
 from neol.spec.run_spec import RunSpec, complete
 from neol.spec.sources import by_dotted_key
-from neol.study.figures.plots import clip_to_runs, draw_curve
+from neol.study.figures.convergence import clip_to_runs, draw_curve
 from neol.study.outcomes.score import samples, score
 from neol.study.outcomes.statistics import mean_interval
 from neol.study.verification.returns import Returns, returns_of

@@ -1,6 +1,6 @@
 """Analyses beyond the paper's: effect sizes, aggregates, equal cost, selection bias.
 
-Each function makes a table from a budget's outcomes; `effect_figures` draws it. Seeds are the
+Each function makes a table from a budget's outcomes; `neol.study.figures` draws it. Seeds are the
 units. A seed gives all methods the same episodes and, as far as their sizes agree, the same first
 population. Each difference of independent samples therefore comes with the correlation of runs that
 share a seed and with the paired difference, whose interval is narrower where such runs are alike.

@@ -39,7 +39,7 @@ def differences_from_neat(table: Table) -> list[str]:
 def best_cells(cells_of_figure: pd.DataFrame) -> list[str]:
     """Say for each method of a heat map which cell is best, and whether others are as good.
 
-    The frame has a row for each cell: see `neol.study.figures.plots.heatmaps`.
+    The frame has a row for each cell: see `neol.study.figures.heatmaps.heatmaps`.
     """
     sentences = []
     known = cells_of_figure.dropna(subset="mean")

@@ -16,8 +16,9 @@ from neol.spec.configuration import ROOT, load_configuration
 from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.shown import select
+from neol.study.figures.convergence import convergence
+from neol.study.figures.heatmaps import heatmaps
 from neol.study.figures.paper_figures import figure2, figure3, heatmap, heatmaps_of
-from neol.study.figures.plots import convergence, heatmaps
 from neol.study.outcomes.campaign_runs import Campaign
 from tests.helpers.made_up import configuration
 

@@ -13,7 +13,7 @@ from neol.spec.configuration import ROOT
 from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS, Cell, cells
 from neol.study.campaign.shown import select
-from neol.study.figures import effect_figures
+from neol.study.figures import effect_figures, effect_sizes
 from neol.study.outcomes import effects
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.outcomes import Outcomes, gather
@@ -199,7 +199,7 @@ def test_degenerate_runs_can_be_drawn(runs: str, tmp_path: Path) -> None:
     outcomes = collected(tmp_path, dict.fromkeys(cells(CONSTANTS), seeds))
     sizes = effects.effect_sizes(outcomes, BUDGET)
     figures = [
-        effect_figures.draw_effect_sizes(sizes, BUDGET, "note"),
+        effect_sizes.draw_effect_sizes(sizes, BUDGET, "note"),
         effect_figures.draw_aggregates(effects.aggregates(outcomes, BUDGET), BUDGET, "note"),
         effect_figures.draw_profiles(effects.profiles(outcomes, BUDGET), BUDGET, "note"),
         effect_figures.draw_efficiency(effects.efficiency(outcomes), BUDGET, "note"),
