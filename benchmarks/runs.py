@@ -21,7 +21,7 @@ from neol.rollout import Engine, Rollouts, make_engine
 from neol.rollout.environment import network_size
 from neol.run import evolution
 from neol.run.evolution import Evolution
-from neol.run.runner import run_seed
+from neol.run.single import run_seed
 from neol.spec.constants import Plasticity
 from neol.spec.run_spec import RunSpec
 

@@ -22,7 +22,7 @@ from neol.base.errors import UserError
 from neol.rollout import make_engine
 from neol.run.checkpoint import read_checkpoint
 from neol.run.record_file import read_record
-from neol.run.runner import run_seed
+from neol.run.single import run_seed
 from neol.run.workspace import partial_folder
 from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.readings import DEFAULT_READING

@@ -6,7 +6,8 @@ from typing import Any
 from neol.rollout.reference import ReferenceEngine
 from neol.run.evolution import Evolution, Generation
 from neol.run.record import Record
-from neol.run.runner import OnGeneration, run_block
+from neol.run.runner import run_block
+from neol.run.single import OnGeneration
 from neol.spec.configuration import load_configuration
 from neol.spec.run_spec import RunSpec
 

@@ -7,7 +7,8 @@ import pytest
 from neol.rollout.reference import ReferenceEngine
 from neol.run.record import Record, join
 from neol.run.record_file import write_record
-from neol.run.runner import Label, _record_of, run_seed
+from neol.run.runner import Label, _record_of
+from neol.run.single import run_seed
 from tests.helpers.runs import run_spec
 
 SPEC = run_spec(generations=3)

@@ -9,7 +9,7 @@ from neol.run import record_file
 from neol.run.evolution import COLUMNS
 from neol.run.record import SCHEMA, Record, SeedInfo, describe_columns
 from neol.run.record_file import read_record
-from neol.run.runner import run_seed
+from neol.run.single import run_seed
 from neol.spec.configuration import ROOT
 from tests.run.conftest import SPEC, same
 

@@ -14,12 +14,13 @@ import pytest
 
 from neol.base.errors import UserError
 from neol.rollout.reference import ReferenceEngine
-from neol.run import checkpoint, provenance, runner, workspace
+from neol.run import checkpoint, provenance, runner, single, workspace
 from neol.run.evolution import Generation
 from neol.run.provenance import Provenance
 from neol.run.record import SeedInfo
 from neol.run.record_file import read_record
-from neol.run.runner import run_block, run_seed
+from neol.run.runner import run_block
+from neol.run.single import run_seed
 from tests.helpers.damage import forge_checkpoint
 from tests.helpers.runs import SPEC, block, evolve, killer, names, result, run_spec
 
@@ -169,7 +170,7 @@ def test_checkpoints_come_as_often_as_asked(
 ) -> None:
     saved: list[int] = []
     monkeypatch.setattr(
-        runner, "write_checkpoint", lambda _path, run, _past: saved.append(run.generation)
+        single, "write_checkpoint", lambda _path, run, _past: saved.append(run.generation)
     )
     block(tmp_path / "run.parquet", run_spec(generations=7), seeds=(0,), checkpoint_every=3)
     assert saved == [3, 6]
