@@ -12,12 +12,13 @@ from dataclasses import dataclass
 
 from benchmarks.table import TITLES, Table, markdown, number
 from neol.base.errors import UserError
+from neol.pictures.labels import method_label
 from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT, load_configuration
 from neol.spec.readings import DEFAULT_READING
-from neol.study.campaign.cost import Get, neat_seconds, run_seconds, shipped
+from neol.study.campaign.cost import Get, neat_seconds, recorded_lengths, run_seconds, shipped
 from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
-from neol.study.campaign.shown import select
+from neol.study.campaign.shown import DEFAULT_BUDGET, select
 from neol.study.outcomes.paper_numbers import settings
 
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
@@ -34,10 +35,10 @@ def replace_generated(text: str, generated: str) -> str:
 
 
 def scaling(table: Table, about: Mapping[str, str]) -> str:
-    """Describe the measurements, the paper budget's cost, and the demo's beside its records."""
+    """Describe the measurements, the paper's cost, and the default budget's beside its records."""
     where = f"{about['CPU']}, {about['Date']} ({about['Run']})"
     parts = [f"On {where}:\n", _measured(table), prediction(table.get, "paper")]
-    return "\n".join(parts) + "\n" + comparison(table.get, "demo")
+    return "\n".join(parts) + "\n" + comparison(table.get, DEFAULT_BUDGET)
 
 
 def prediction(get: Get, budget: str) -> str:
@@ -125,24 +126,27 @@ def _sums(parts: Iterable[tuple[str, Sequence[float]]]) -> list[tuple[str, list[
 
 def _measured(table: Table) -> str:
     tasks = load_configuration("paper").tasks
-    header = ["measured", "G", "µs a step: Hebb", "NEAT", "steps of an evaluation: Hebb", "NEAT"]
-    header += ["in the last third: Hebb", "NEAT", "limit", "NEAT's µs of an evaluation"]
-    names = ("short_run", "short_run_steps", "short_run_late_steps")
-    rows = [
+    times = [
         [
             TITLES[task],
-            f"{table.get('short_run_generations', task) or 0:.0f}",
-            *(
-                number(table.get(name, task, method))
-                for name in names
-                for method in ("hebb", "neat")
-            ),
-            number(tasks[task].max_steps),
+            *(number(table.get("short_run", task, method)) for method in ("hebb", "neat")),
             number(neat_seconds(table.get, task) * 1e6),
         ]
         for task in table.tasks
     ]
-    return markdown(header, rows)
+    header = ["measured", "µs a step: Hebb", "NEAT", "NEAT's µs of an evaluation"]
+    lengths = [
+        [
+            TITLES[task],
+            str(max(max(each) for each in of_task.values())),
+            *(number(list(each.values())[-1]) for each in of_task.values()),
+            number(tasks[task].max_steps),
+        ]
+        for task, of_task in recorded_lengths().items()
+    ]
+    methods = [method_label(each) for each in next(iter(recorded_lengths().values()))]
+    of_lengths = ["steps of an evaluation in the records", "G", *methods, "limit"]
+    return f"{markdown(header, times)}\n{markdown(of_lengths, lengths)}"
 
 
 def _core_hours(costs: Iterable[Cost]) -> str:

@@ -15,6 +15,7 @@ WORDS = sorted(glob("neol/study/report/*.*")) + [
     "neol/study/workflow/exhibits.py",
     "neol/study/campaign/cost.py",
     "docs/benchmarks.csv",
+    "docs/episode-lengths.csv",
 ]
 
 

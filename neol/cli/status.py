@@ -36,7 +36,8 @@ def status(
 ) -> None:
     """Show a campaign's progress and the estimated cost of the rest.
 
-    Estimates follow docs/benchmarks.md and hold for the machine named there.
+    Estimates follow the task's finished runs. Before there are any, they follow docs/benchmarks.md
+    and hold for the machine named there.
     """
     from rich.console import Console
 

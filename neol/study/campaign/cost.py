@@ -1,30 +1,51 @@
 """Cost of a run by measurement; the workflow requests time on a cluster by it.
 
 Core-seconds are evaluations x (steps of an evaluation x time of a step + NEAT's time for an
-evaluation), with values of docs/benchmarks.csv; docs/scaling.md describes each measurement.
+evaluation). Times are those of docs/benchmarks.csv, steps those of docs/episode-lengths.csv;
+docs/scaling.md describes each measurement.
 """
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
+from pathlib import Path
+from statistics import fmean
+
+import numpy as np
 
 from neol.spec.configuration import ROOT, Configuration
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.grid import Block, cells, home, run_specs
 
+EPISODE_LENGTHS = ROOT / "docs" / "episode-lengths.csv"
 NEAT_POPULATION = 300
 """Population size of the measurement of NEAT's time."""
 
 Get = Callable[[str, str, str], float | None]
 """Median of a quantity by task and by networks or method; None if not measured."""
+Lengths = dict[int, float]
+"""Mean steps of an evaluation in all generations until some of them."""
+
+
+def _rows(path: Path) -> Iterator[dict[str, str]]:
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return iter(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
 @cache
 def _medians() -> dict[tuple[str, str, str], float]:
-    path = ROOT / "docs" / "benchmarks.csv"
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+    rows = _rows(ROOT / "docs" / "benchmarks.csv")
     return {(row["quantity"], row["task"], row["networks"]): float(row["median"]) for row in rows}
+
+
+@cache
+def recorded_lengths() -> dict[str, dict[str, Lengths]]:
+    """Return the steps of evaluations in the records of `evidence`, by task and method."""
+    lengths: dict[str, dict[str, Lengths]] = {}
+    for row in _rows(EPISODE_LENGTHS):
+        of_task = lengths.setdefault(row["task"], {})
+        of_task.setdefault(row["method"], {})[int(row["generation"])] = float(row["steps"])
+    return lengths
 
 
 def shipped(quantity: str, task: str, networks: str = "") -> float | None:
@@ -33,7 +54,7 @@ def shipped(quantity: str, task: str, networks: str = "") -> float | None:
 
 
 def like(method: str) -> str:
-    """Return the method whose short runs were measured for it: NEAT, or Hebb for all others."""
+    """Return the method whose time of a step was measured for it: NEAT, or Hebb for all others."""
     return "neat" if method == "neat" else "hebb"
 
 
@@ -47,18 +68,32 @@ def evaluation_seconds(get: Get, task: str, method: str, steps: float) -> float:
     return steps * (get("short_run", task, like(method)) or 0.0) / 1e6 + neat_seconds(get, task)
 
 
+def steps_of_an_evaluation(task: str, method: str, generations: int) -> float | None:
+    """Return the mean over a run; None if the task has no records.
+
+    Later generations are taken to be like the last recorded ones, and a method without records like
+    the average method.
+    """
+    of_task = recorded_lengths().get(task, {})
+    if method not in of_task:
+        each = [steps_of_an_evaluation(task, other, generations) for other in of_task]
+        return fmean(filter(None, each)) if each else None
+    recorded = np.array(list(of_task[method]))
+    steps = recorded * np.array(list(of_task[method].values()))
+    latest = (steps[-1] - steps[-2]) / (recorded[-1] - recorded[-2])
+    beyond = max(generations - int(recorded[-1]), 0) * latest
+    return float(np.interp(generations, recorded, steps) + beyond) / generations
+
+
 def run_seconds(spec: RunSpec, get: Get = shipped, *, to_the_limit: bool = False) -> float | None:
     """Return the core-seconds of one run without its held-out episodes; None if not measured.
 
-    Episodes are as long as in the short runs, and in later generations as in their last third; or
-    all of them last to the limit.
+    Episodes are as long as in the records, or all of them last to the limit.
     """
-    task, method, limit = spec.task.name, like(spec.method), spec.task.max_steps
-    early, late = (get(f"short_run_{part}", task, method) for part in ("steps", "late_steps"))
-    if early is None or late is None:
+    task, limit = spec.task.name, spec.task.max_steps
+    usual = steps_of_an_evaluation(task, spec.method, spec.generations)
+    if usual is None or get("short_run", task, like(spec.method)) is None:
         return None
-    measured = min((get("short_run_generations", task, "") or 0.0) / spec.generations, 1.0)
-    usual = measured * early + (1.0 - measured) * late
     steps = limit if to_the_limit else min(usual, limit)
     evaluations = spec.generations * spec.population * spec.evaluation.episodes
     return evaluations * evaluation_seconds(get, task, spec.method, steps)

@@ -1,14 +1,14 @@
 """Summary of a campaign's status, and the estimated cost of the rest."""
 
-from collections import Counter
-from collections.abc import Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from neol.study.campaign.cost import run_seconds
 from neol.study.campaign.jobs import SENSITIVITY
-from neol.study.workflow.status import JobState, JobStatus
+from neol.study.workflow.status import Finished, JobState, JobStatus
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,8 @@ class Status:
         groups: dict[tuple[str, str], list[JobStatus]] = {}
         for status in self.statuses:
             groups.setdefault((status.job.spec.task.name, status.job.part), []).append(status)
-        return [_row(task, part, group) for (task, part), group in groups.items()]
+        paces = _paces(self.finished)
+        return [_row(*place, group, paces.get(place[0], 1.0)) for place, group in groups.items()]
 
     @property
     def seconds_left(self) -> float | None:
@@ -82,11 +83,22 @@ class Status:
         return 3600.0 * sum(filter(None, hours)) / running
 
 
-def _row(task: str, part: str, group: Sequence[JobStatus]) -> Row:
+def _paces(finished: Iterable[Finished]) -> dict[str, float]:
+    """Return each task's CPU time as a multiple of what measurements predict for its runs."""
+    spent, predicted = defaultdict[str, float](float), defaultdict[str, float](float)
+    for run in finished:
+        task = run.spec.task.name
+        spent[task] += run.cpu_seconds
+        predicted[task] += run_seconds(run.spec) or 0.0
+    return {task: spent[task] / seconds for task, seconds in predicted.items() if seconds}
+
+
+def _row(task: str, part: str, group: Sequence[JobStatus], pace: float) -> Row:
+    """Return a row; the rest costs what measurements predict, at the pace of finished runs."""
     states = sum((status.states for status in group), Counter[JobState]())
     rest = [
         (status.runs_left, run_seconds(status.job.spec)) for status in group if status.runs_left
     ]
-    seconds = [None if each is None else runs * each for runs, each in rest]
+    seconds = [None if each is None else runs * each * pace for runs, each in rest]
     hours = None if None in seconds else sum(filter(None, seconds)) / 3600.0
     return Row(task, part, states, hours)

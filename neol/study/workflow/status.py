@@ -38,6 +38,7 @@ class Finished:
     best_fitness: float
     held_out: float | None
     """Mean return of the champion in held-out episodes; None if all of them failed."""
+    cpu_seconds: float
     time: datetime
 
 
@@ -137,6 +138,7 @@ class Folder:
                     spec=job.spec.model_copy(update={"seed": info.seed}),
                     best_fitness=info.champion.fitness,
                     held_out=info.held_out.mean,
+                    cpu_seconds=info.cpu_seconds,
                     time=_time(path, info.provenance.time),
                 )
                 for info in infos

@@ -5,15 +5,26 @@ import pytest
 from benchmarks.scaling import comparison
 from neol.spec.configuration import load_configuration
 from neol.spec.run_spec import RunSpec
-from neol.study.campaign.cost import run_seconds, shipped, walltime_minutes
+from neol.study.campaign import cost
+from neol.study.campaign.cost import (
+    run_seconds,
+    shipped,
+    steps_of_an_evaluation,
+    walltime_minutes,
+)
 
 MEASURED = {
     ("short_run", "hopper", "hebb"): 100.0,  # µs a step
-    ("short_run_generations", "hopper", ""): 12.0,
-    ("short_run_steps", "hopper", "hebb"): 500.0,
-    ("short_run_late_steps", "hopper", "hebb"): 700.0,
     ("neat_generation", "hopper", ""): 9.0,  # ms, P = 300
 }
+LENGTHS = {"hopper": {"oja": {1: 100.0, 4: 250.0, 8: 500.0}, "neat": {1: 30.0, 8: 30.0}}}
+
+
+@pytest.fixture(autouse=True)
+def lengths(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """Recorded lengths, made up but for tests of the shipped ones."""
+    if "shipped" not in request.node.name:
+        monkeypatch.setattr(cost, "recorded_lengths", lambda: LENGTHS)
 
 
 def spec(task: str, **changed: int) -> RunSpec:
@@ -33,9 +44,20 @@ def test_a_run_costs_its_evaluations() -> None:
     assert run_seconds(spec("hopper", population=100), get) == pytest.approx(2 * usual)
 
 
-def test_after_the_measured_generations_episodes_are_as_long_as_in_the_last_of_them() -> None:
-    long = run_seconds(spec("hopper", generations=48), get)
-    assert long == pytest.approx(12 * 50 * (500 * 100e-6) + 36 * 50 * (700 * 100e-6) + 2400 * 30e-6)
+def test_between_recorded_generations_episodes_grow_evenly() -> None:
+    assert steps_of_an_evaluation("hopper", "oja", 1) == 100.0
+    assert steps_of_an_evaluation("hopper", "oja", 4) == 250.0
+    assert steps_of_an_evaluation("hopper", "oja", 6) == pytest.approx((4 * 250 + 8 * 500) / 2 / 6)
+
+
+def test_after_them_episodes_are_as_long_as_in_the_last_of_them() -> None:
+    late = (8 * 500 - 4 * 250) / 4
+    assert steps_of_an_evaluation("hopper", "oja", 48) == pytest.approx((4000 + 40 * late) / 48)
+
+
+def test_a_method_without_records_is_like_the_others() -> None:
+    assert steps_of_an_evaluation("hopper", "hebb_mutated", 8) == (500 + 30) / 2
+    assert steps_of_an_evaluation("gym:Acrobot-v1", "oja", 8) is None
 
 
 def test_what_was_never_measured_may_last_a_day() -> None:
@@ -44,7 +66,7 @@ def test_what_was_never_measured_may_last_a_day() -> None:
     assert 15 < walltime_minutes(spec("hopper"), seeds=30) < 24 * 60
 
 
-def test_the_demo_s_records_cost_what_is_predicted() -> None:
+def test_the_shipped_records_of_demo_cost_what_is_predicted() -> None:
     *_, whole = comparison(shipped, "demo").strip().splitlines()
     _, _, runs, _, _, ratio, _ = whole.split("|")
     assert int(runs) == 160

@@ -38,13 +38,18 @@ def test_a_run_costs_what_was_measured(folder: Folder) -> None:
     assert row(folder, "hopper", "hebb").core_hours == pytest.approx(seconds / 3600.0)
 
 
-def test_of_what_is_done_the_rest_costs_less(folder: Folder) -> None:
-    whole = row(folder, "cartpole", "hebb").core_hours
+def test_the_rest_of_a_task_costs_what_its_finished_runs_did(folder: Folder) -> None:
+    before = {task: row(folder, task, "hebb").core_hours for task in ("cartpole", "hopper")}
     done = job(folder)
     finish(done)
+    predicted = 3 * (run_seconds(done.spec) or 0.0)
+    spent = sum(run.cpu_seconds for run in Status(folder.job_statuses()).finished)
+    assert spent != pytest.approx(predicted)
     rest = row(folder, "cartpole", "hebb").core_hours
-    assert whole is not None and rest is not None
-    assert whole - rest == pytest.approx(3 * (run_seconds(done.spec) or 0.0) / 3600.0)
+    assert before["cartpole"] is not None
+    expected = (before["cartpole"] - predicted / 3600.0) * spent / predicted
+    assert rest == pytest.approx(expected)
+    assert row(folder, "hopper", "hebb").core_hours == before["hopper"]
 
 
 def test_the_time_left_is_that_of_the_jobs_that_run(
