@@ -30,7 +30,7 @@ from neol.study.outcomes.baselines import (
 from neol.study.report.common import render
 from neol.study.report.multiverse import Multiverse, picture_name
 from neol.study.report.readings_picture import readings_picture
-from neol.study.report.reward_scales import reward_scales
+from neol.study.report.reward_scales import reward_scales, what_learning_adds
 from neol.study.report.unused_numbers import unused_numbers
 
 NUMBERS = [(method, quantity) for method in BASELINES for quantity in QUANTITIES]
@@ -154,6 +154,7 @@ def page(results: Path = RESULTS) -> Page:
         default=DEFAULT_READING,
         unused=unused_numbers(DEFAULT_READING, results),
         reward_scales=reward_scales(DEFAULT_READING, results),
+        what_learning_adds=what_learning_adds(DEFAULT_READING, results),
         multiverse=multiverse,
         picture_name=picture_name,
         task_label=task_label,

@@ -1,4 +1,4 @@
-"""What each reward scale beta makes of three statements of the paper, in docs/readings.md.
+"""What each reward scale beta makes of the rules and of the paper's statements: docs/readings.md.
 
 Only eta · beta enters the rules, so a run at (eta, beta) is also that of another pair with the same
 product.
@@ -11,14 +11,16 @@ from functools import cache
 from pathlib import Path
 
 from neol.pictures.labels import method_label
-from neol.spec.configuration import PAPER_BUDGET, load_configuration
+from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.spec.readings import with_changes
 from neol.study.campaign.grid import RESULTS, Cell, cells
+from neol.study.claims.questions import RULES
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.contrasts import Difference, Moments, difference
-from neol.study.outcomes.paper_numbers import moments
+from neol.study.outcomes.paper_numbers import moments, settings
 
 BETAS = (1.0, 0.1, 0.01)
+LANDER = "lunar_lander"
 MOST = 0.9
 """Share of runs at the ceiling from which a method is said to reach it."""
 NOT_RUN = "not run"
@@ -45,17 +47,55 @@ def reward_scales(reading: str, results: Path = RESULTS) -> list[list[str]]:
     for beta in BETAS:
         finals = _finals(reading, beta, results)
         statements = _hebb_leads(finals), _best_rate(finals, rates), _oja_falls(finals, ceiling)
-        default = " (default)" * (beta == paper.plasticity.reward_scale)
-        rows.append([f"{beta:g}{default}", *statements])
+        rows.append([_name(beta, paper), *statements])
     return [head, *rows]
+
+
+def what_learning_adds(reading: str, results: Path = RESULTS) -> list[list[str]]:
+    """Return a head, a row for each beta, and the paper's: each rule minus NEAT (w/o).
+
+    Compared is the final best fitness on Lunar Lander in Table 4's configurations. The runs, and
+    the errors raised, are those of `reward_scales`.
+    """
+    configuration = load_configuration(PAPER_BUDGET, reading=reading)
+    printed = moments([7], LANDER)
+    rows = []
+    for beta in BETAS:
+        finals = _finals(reading, beta, results)
+        without = finals(_configured("neat_wo"))
+        leads = [_lead(finals(_configured(rule)), without) for rule in RULES]
+        rows.append([_name(beta, configuration), *leads])
+    papers = [_in_words(difference(printed[rule], printed["neat_wo"])) for rule in RULES]
+    return [["beta", *map(method_label, RULES)], *rows, ["the paper", *papers]]
+
+
+def _name(beta: float, configuration: Configuration) -> str:
+    return f"{beta:g}{' (default)' * (beta == configuration.plasticity.reward_scale)}"
+
+
+def _configured(method: str) -> Cell:
+    """Return a method's cell on Lunar Lander in Table 4."""
+    return Cell(LANDER, method, *settings(4)[LANDER, method])
+
+
+def _lead(ours: Sequence[float], without: Sequence[float]) -> str:
+    if not (ours and without):
+        return NOT_RUN
+    lead = difference(Moments.of(ours), Moments.of(without))
+    return f"{_in_words(lead)}, {len(ours)} runs"
+
+
+def _in_words(lead: Difference) -> str:
+    low, high = lead.interval()
+    return f"{lead.value:+.1f} [{low:.1f}, {high:.1f}]"
 
 
 def _finals(reading: str, beta: float, results: Path) -> Finals:
     """Return the function that finds runs under a beta, or with the same eta · beta."""
-    readings = (reading, with_changes(reading, f"plasticity.reward_scale={beta:g}"))
+    others = [with_changes(reading, f"plasticity.reward_scale={each:g}") for each in BETAS]
     found = [
         Campaign(load_configuration(PAPER_BUDGET, reading=each), results, partial=True)
-        for each in readings
+        for each in dict.fromkeys((reading, *others))
     ]
 
     @cache
@@ -76,27 +116,26 @@ def _finals(reading: str, beta: float, results: Path) -> Finals:
 
 def _papers_lead() -> Difference:
     """Return Hebb's lead over NEAT (w/o) on Lunar Lander in Table 7."""
-    paper = moments([7], "lunar_lander")
+    paper = moments([7], LANDER)
     return difference(paper["hebb"], paper["neat_wo"])
 
 
 def _hebb_leads(finals: Finals) -> str:
     """Compare Hebb's lead over NEAT (w/o) on Lunar Lander with that of Table 7."""
-    hebb = finals(Cell("lunar_lander", "hebb", 300, 0.00025))
-    without = finals(Cell("lunar_lander", "neat_wo", 300, None))
+    hebb = finals(Cell(LANDER, "hebb", 300, 0.00025))
+    without = finals(Cell(LANDER, "neat_wo", 300, None))
     if not (hebb and without):
         return NOT_RUN
     ours = difference(Moments.of(hebb), Moments.of(without))
     low, high = ours.interval()
     paper_low, _ = _papers_lead().interval()
     verdict = "seen" if low > 0 else "contradicted" if high < paper_low else "open"
-    runs = f"{len(hebb)} against {len(without)} runs"
-    return f"{verdict}: {ours.value:+.1f} [{low:.1f}, {high:.1f}], {runs}"
+    return f"{verdict}: {_in_words(ours)}, {len(hebb)} against {len(without)} runs"
 
 
 def _best_rate(finals: Finals, rates: Sequence[float]) -> str:
     """Compare BCM's learning rates on Lunar Lander."""
-    runs = {rate: finals(Cell("lunar_lander", "bcm", 300, rate)) for rate in rates}
+    runs = {rate: finals(Cell(LANDER, "bcm", 300, rate)) for rate in rates}
     known = {rate: Moments.of(each) for rate, each in runs.items() if each}
     if 0.25 not in known or len(known) == 1:
         return NOT_RUN

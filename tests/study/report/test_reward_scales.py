@@ -5,7 +5,7 @@ from pathlib import Path
 
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import Cell, blocks, run_specs
-from neol.study.report.reward_scales import NOT_RUN, reward_scales
+from neol.study.report.reward_scales import NOT_RUN, reward_scales, what_learning_adds
 from tests.helpers.made_up import run, write_runs
 
 READING = "worked_example"
@@ -72,3 +72,20 @@ def test_the_runs_at_cartpoles_ceiling_are_counted(tmp_path: Path) -> None:
     write(tmp_path, READING, {cells["hebb"]: [500], cells["oja"]: [500, 400], cells["bcm"]: [500]})
     said = "seen: at the ceiling end Oja 15 of 30, Hebb 30 of 30, BCM 30 of 30"
     assert reward_scales(READING, tmp_path)[1][3] == said
+
+
+def test_what_learning_adds_is_a_difference_from_neat_without_weight_mutation(
+    tmp_path: Path,
+) -> None:
+    """A rate under a beta is found at another rate, under another beta of the same product."""
+    write(
+        tmp_path, READING, {lander("neat_wo", None): [300, 302], lander("bcm", 0.025): [290, 292]}
+    )
+    reading = f"{READING}+plasticity.reward_scale=0.1"
+    write(tmp_path, reading, {lander("oja", 0.00025): [310, 312]})
+    head, one, tenth, hundredth, paper = what_learning_adds(READING, tmp_path)
+    assert head == ["beta", "BCM", "Hebb", "Oja"]
+    assert one == ["1 (default)", NOT_RUN, NOT_RUN, NOT_RUN]
+    assert tenth == ["0.1", "-10.0 [-11.0, -9.0], 10 runs", NOT_RUN, NOT_RUN]
+    assert hundredth == ["0.01", NOT_RUN, NOT_RUN, "+10.0 [9.0, 11.0], 10 runs"]
+    assert paper[2] == "+10.9 [7.3, 14.4]"
