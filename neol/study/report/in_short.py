@@ -14,6 +14,7 @@ from neol.study.claims.questions import load_questions, main_questions
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_WORDS
 from neol.study.outcomes.statistics import ALPHA
+from neol.study.report.reward_scales import at_each_beta
 from neol.study.report.speciation import crowded_cells, without_weights
 from neol.study.report.words import marked_name
 
@@ -58,11 +59,13 @@ def in_short(
         Point("The paper's questions.", questions_answered(ledger)),
         Point("The rules against NEAT.", against_neat(effects)),
         Point("Is that learning?", is_it_learning(effects)),
-        Point("In fresh episodes.", in_fresh_episodes(selection)),
     ]
+    if scaled := at_each_beta(campaign.configuration):
+        points.append(Point("Or the scale of the reward?", scaled))
     if crowded := crowded_cells(species):
         found = in_crowded_cells(crowded, without_weights(campaign, species))
-        points.insert(3, Point("Or is it speciation?", found))
+        points.append(Point("Or is it speciation?", found))
+    points.append(Point("In fresh episodes.", in_fresh_episodes(selection)))
     return points
 
 

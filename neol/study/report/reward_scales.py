@@ -9,8 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
-from neol.pictures.labels import method_label
+from neol.pictures.labels import listed, method_label, three_figures
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.spec.readings import with_changes
 from neol.study.campaign.grid import RESULTS, Cell, cells
@@ -52,25 +53,80 @@ def reward_scales(reading: str, results: Path = RESULTS) -> list[list[str]]:
 
 
 def what_learning_adds(reading: str, results: Path = RESULTS) -> list[list[str]]:
-    """Return a head, a row for each beta, and the paper's: each rule minus NEAT (w/o).
+    """Return a head, a row for each beta, and the paper's: the leads over NEAT (w/o).
 
-    Compared is the final best fitness on Lunar Lander in Table 4's configurations. The runs, and
-    the errors raised, are those of `reward_scales`.
+    Raises UserError as `Campaign.runs` does.
     """
     configuration = load_configuration(PAPER_BUDGET, reading=reading)
-    printed = moments([7], LANDER)
     rows = []
     for beta in BETAS:
-        finals = _finals(reading, beta, results)
-        without = finals(_configured("neat_wo"))
-        leads = [_lead(finals(_configured(rule)), without) for rule in RULES]
-        rows.append([_name(beta, configuration), *leads])
-    papers = [_in_words(difference(printed[rule], printed["neat_wo"])) for rule in RULES]
+        leads = _leads_at(reading, beta, results)
+        said = [f"{_in_words(each.found)}, {each.runs} runs" if each else NOT_RUN for each in leads]
+        rows.append([_name(beta, configuration), *said])
+    papers = [_in_words(each) for each in _papers_leads()]
     return [["beta", *map(method_label, RULES)], *rows, ["the paper", *papers]]
 
 
-def _name(beta: float, configuration: Configuration) -> str:
-    return f"{beta:g}{' (default)' * (beta == configuration.plasticity.reward_scale)}"
+class _Lead(NamedTuple):
+    """A rule's final best fitness minus that of NEAT (w/o), on Lunar Lander."""
+
+    found: Difference
+    runs: int
+    """Runs of the rule."""
+
+
+def _leads_at(reading: str, beta: float, results: Path = RESULTS) -> list[_Lead | None]:
+    """Return the lead of each of `RULES` in Table 4's configuration; None where it has no runs."""
+    finals = _finals(reading, beta, results)
+    ours, without = [finals(_configured(rule)) for rule in RULES], finals(_configured("neat_wo"))
+    return [
+        _Lead(difference(Moments.of(each), Moments.of(without)), len(each))
+        if each and without
+        else None
+        for each in ours
+    ]
+
+
+def at_each_beta(configuration: Configuration, results: Path = RESULTS) -> str:
+    """Say what learning adds at each beta that has its runs.
+
+    Empty for a budget without the paper's runs of Lunar Lander, and where fewer than two betas have
+    their runs.
+    """
+    budget, papers = configuration.budget, load_configuration(PAPER_BUDGET).budget
+    if LANDER not in budget.tasks or budget.generations_of(LANDER) < papers.generations_of(LANDER):
+        return ""
+    found = {}
+    for beta in BETAS:
+        leads = [lead for lead in _leads_at(configuration.reading, beta, results) if lead]
+        if len(leads) == len(RULES):
+            found[beta] = [lead.found for lead in leads]
+    if len(found) < 2:
+        return ""
+    above = [
+        f"{method_label(rule)} at {beta:g}"
+        for beta, leads in found.items()
+        for rule, lead in zip(RULES, leads, strict=True)
+        if lead.interval()[0] > 0
+    ]
+    said = "; by ".join(f"{_values(leads)} at {beta:g}" for beta, leads in found.items())
+    verdict = f"Distinguishably above: {listed(above)}" if above else "No rule is clearly above"
+    return (
+        "The paper does not give beta, the scale of the reward; a smaller one acts like lower "
+        f"learning rates. In final fitness on Lunar Lander {listed(map(method_label, RULES))} "
+        f"differ from NEAT (w/o) by {said}; in the paper by {_values(_papers_leads())}. "
+        f"{verdict}."
+    )
+
+
+def _values(leads: Sequence[Difference]) -> str:
+    return listed(three_figures(lead.value) for lead in leads)
+
+
+def _papers_leads() -> list[Difference]:
+    """Return the lead of each of `RULES` in the paper's Table 7."""
+    printed = moments([7], LANDER)
+    return [difference(printed[rule], printed["neat_wo"]) for rule in RULES]
 
 
 def _configured(method: str) -> Cell:
@@ -78,11 +134,8 @@ def _configured(method: str) -> Cell:
     return Cell(LANDER, method, *settings(4)[LANDER, method])
 
 
-def _lead(ours: Sequence[float], without: Sequence[float]) -> str:
-    if not (ours and without):
-        return NOT_RUN
-    lead = difference(Moments.of(ours), Moments.of(without))
-    return f"{_in_words(lead)}, {len(ours)} runs"
+def _name(beta: float, configuration: Configuration) -> str:
+    return f"{beta:g}{' (default)' * (beta == configuration.plasticity.reward_scale)}"
 
 
 def _in_words(lead: Difference) -> str:
@@ -116,8 +169,7 @@ def _finals(reading: str, beta: float, results: Path) -> Finals:
 
 def _papers_lead() -> Difference:
     """Return Hebb's lead over NEAT (w/o) on Lunar Lander in Table 7."""
-    paper = moments([7], LANDER)
-    return difference(paper["hebb"], paper["neat_wo"])
+    return _papers_leads()[RULES.index("hebb")]
 
 
 def _hebb_leads(finals: Finals) -> str:

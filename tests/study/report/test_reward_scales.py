@@ -5,7 +5,12 @@ from pathlib import Path
 
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import Cell, blocks, run_specs
-from neol.study.report.reward_scales import NOT_RUN, reward_scales, what_learning_adds
+from neol.study.report.reward_scales import (
+    NOT_RUN,
+    at_each_beta,
+    reward_scales,
+    what_learning_adds,
+)
 from tests.helpers.made_up import run, write_runs
 
 READING = "worked_example"
@@ -89,3 +94,21 @@ def test_what_learning_adds_is_a_difference_from_neat_without_weight_mutation(
     assert tenth == ["0.1", "-10.0 [-11.0, -9.0], 10 runs", NOT_RUN, NOT_RUN]
     assert hundredth == ["0.01", NOT_RUN, NOT_RUN, "+10.0 [9.0, 11.0], 10 runs"]
     assert paper[2] == "+10.9 [7.3, 14.4]"
+
+
+def test_in_short_each_beta_that_has_all_its_runs_is_named(tmp_path: Path) -> None:
+    ends = {
+        lander("neat_wo", None): [300, 302],
+        lander("hebb", 0.00025): [290, 292],
+        **{lander("oja", rate): [300, 304] for rate in (0.00025, 0.0025)},
+        **{lander("bcm", rate): [200, 202] for rate in (0.025, 0.25)},
+    }
+    write(tmp_path, READING, ends)
+    papers = load_configuration("paper", reading=READING)
+    assert at_each_beta(papers, tmp_path) == "", "only beta = 1 has its runs"
+    reading = f"{READING}+plasticity.reward_scale=0.1"
+    write(tmp_path, reading, {lander("hebb", 0.00025): [310, 312]})
+    said = at_each_beta(papers, tmp_path)
+    assert "by -100, -10.0 and 1.00 at 1; by -100, 10.0 and 1.00 at 0.1; in the paper" in said
+    assert said.endswith("Distinguishably above: Hebb at 0.1.")
+    assert at_each_beta(load_configuration("demo", reading=READING), tmp_path) == ""
