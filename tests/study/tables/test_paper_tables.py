@@ -199,7 +199,7 @@ def test_tasks_of_different_size_are_told_apart() -> None:
 
 def test_a_part_of_the_papers_budget_says_which() -> None:
     landing = describe_budget(select("evidence", "lunar_lander", "worked_example"))
-    assert "budget: 20 of 30 seeds, P = 300. Rea" in landing
+    assert "A part of the paper's budget: P = 300. Rea" in landing
     balancing = describe_budget(select("evidence", "cartpole"))
     assert "budget: P = 50, the configurations of Tables 3 and 4. Rea" in balancing
     assert "Reduced" not in landing + balancing
