@@ -31,7 +31,7 @@ ANSWERS = {
     "same direction": "Yes, but by another amount",
     "mixed": "Not all of them",
     "not reproduced": "No",
-    "equivalent to zero": "No, any difference is below the margin",
+    "equivalent to zero": "No, any difference is below the margin that the plan set",
 }
 """Verdicts that are answers, from the paper's side to the other, and what each answers."""
 
