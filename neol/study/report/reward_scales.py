@@ -109,8 +109,8 @@ def at_each_beta(configuration: Configuration, results: Path = RESULTS) -> str:
         for rule, lead in zip(RULES, leads, strict=True)
         if lead.interval()[0] > 0
     ]
-    said = "; by ".join(f"{_values(leads)} at {beta:g}" for beta, leads in found.items())
-    verdict = f"Distinguishably above: {listed(above)}" if above else "No rule is clearly above"
+    said = "; by ".join(f"{_values(leads)} at beta = {beta:g}" for beta, leads in found.items())
+    verdict = f"Distinguishably above: {listed(above)}" if above else "No rule is clearly above it"
     return (
         "The paper does not give beta, the scale of the reward; a smaller one acts like lower "
         f"learning rates. In final fitness on Lunar Lander {listed(map(method_label, RULES))} "

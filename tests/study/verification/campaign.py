@@ -66,7 +66,11 @@ def patch_budget(*more: str) -> Iterator[None]:
         lambda asked: _few(asked.budget.name, asked.reading, more),
     )
     history = mock.patch(f"{verification}.history.ancestors", lambda: {MADE_BY.commit})
-    with jobs_of, history, mock.patch("neol.run.runner.provenance", return_value=MADE_BY):
+    begun, ended = (
+        mock.patch(f"neol.run.{module}.provenance", return_value=MADE_BY)
+        for module in ("single", "runner")
+    )
+    with jobs_of, history, begun, ended:
         yield
 
 
