@@ -3,8 +3,6 @@
 `python -m benchmarks.episode_lengths` writes it; `neol.study.campaign.cost` predicts from it.
 """
 
-from pathlib import Path
-
 import pandas as pd
 
 from neol.base.files import write_atomically
@@ -43,4 +41,4 @@ def content() -> bytes:
 
 
 if __name__ == "__main__":
-    write_atomically(Path(EPISODE_LENGTHS), content())
+    write_atomically(EPISODE_LENGTHS, content())

@@ -22,12 +22,13 @@ from neol.study.outcomes.paper_numbers import moments, settings
 
 BETAS = (1.0, 0.1, 0.01)
 LANDER = "lunar_lander"
+HEBB = RULES.index("hebb")
 MOST = 0.9
 """Share of runs at the ceiling from which a method is said to reach it."""
 NOT_RUN = "not run"
 
-Finals = Callable[[Cell], list[float]]
-"""Final best fitness of the runs of a cell; empty without any."""
+Finals = Callable[[Cell, float], list[float]]
+"""Final best fitness of the runs of a cell under a beta; empty without any."""
 
 
 def reward_scales(reading: str, results: Path = RESULTS) -> list[list[str]]:
@@ -35,7 +36,7 @@ def reward_scales(reading: str, results: Path = RESULTS) -> list[list[str]]:
 
     The runs are those of a reading at the paper's budget. Raises UserError as `Campaign.runs` does.
     """
-    papers, paper = _papers_lead(), load_configuration(PAPER_BUDGET, reading=reading)
+    papers, paper = _papers_leads()[HEBB], load_configuration(PAPER_BUDGET, reading=reading)
     rates, ceiling = paper.budget.learning_rates, paper.tasks["cartpole"].max_steps
     head = [
         "beta",
@@ -44,11 +45,16 @@ def reward_scales(reading: str, results: Path = RESULTS) -> list[list[str]]:
         "Table 3: BCM's best rate on Lunar Lander is 0.25",
         "A.8.1: on CartPole at 0.25 and P = 50 Oja falls below the ceiling; Hebb and BCM do not",
     ]
-    rows = []
-    for beta in BETAS:
-        finals = _finals(reading, beta, results)
-        statements = _hebb_leads(finals), _best_rate(finals, rates), _oja_falls(finals, ceiling)
-        rows.append([_name(beta, paper), *statements])
+    finals = _finals(reading, results)
+    rows = [
+        [
+            _name(beta, paper),
+            _hebb_leads(finals, beta),
+            _best_rate(finals, beta, rates),
+            _oja_falls(finals, beta, ceiling),
+        ]
+        for beta in BETAS
+    ]
     return [head, *rows]
 
 
@@ -58,9 +64,9 @@ def what_learning_adds(reading: str, results: Path = RESULTS) -> list[list[str]]
     Raises UserError as `Campaign.runs` does.
     """
     configuration = load_configuration(PAPER_BUDGET, reading=reading)
-    rows = []
+    finals, rows = _finals(reading, results), []
     for beta in BETAS:
-        leads = _leads_at(reading, beta, results)
+        leads = _leads_at(finals, beta)
         said = [f"{_in_words(each.found)}, {each.runs} runs" if each else NOT_RUN for each in leads]
         rows.append([_name(beta, configuration), *said])
     papers = [_in_words(each) for each in _papers_leads()]
@@ -73,14 +79,16 @@ class _Lead(NamedTuple):
     found: Difference
     runs: int
     """Runs of the rule."""
+    against: int
+    """Runs of NEAT (w/o)."""
 
 
-def _leads_at(reading: str, beta: float, results: Path = RESULTS) -> list[_Lead | None]:
+def _leads_at(finals: Finals, beta: float) -> list[_Lead | None]:
     """Return the lead of each of `RULES` in Table 4's configuration; None where it has no runs."""
-    finals = _finals(reading, beta, results)
-    ours, without = [finals(_configured(rule)) for rule in RULES], finals(_configured("neat_wo"))
+    ours = [finals(_configured(rule), beta) for rule in RULES]
+    without = finals(_configured("neat_wo"), beta)
     return [
-        _Lead(difference(Moments.of(each), Moments.of(without)), len(each))
+        _Lead(difference(Moments.of(each), Moments.of(without)), len(each), len(without))
         if each and without
         else None
         for each in ours
@@ -96,9 +104,9 @@ def at_each_beta(configuration: Configuration, results: Path = RESULTS) -> str:
     budget, papers = configuration.budget, load_configuration(PAPER_BUDGET).budget
     if LANDER not in budget.tasks or budget.generations_of(LANDER) < papers.generations_of(LANDER):
         return ""
-    found = {}
+    finals, found = _finals(configuration.reading, results), {}
     for beta in BETAS:
-        leads = [lead for lead in _leads_at(configuration.reading, beta, results) if lead]
+        leads = [lead for lead in _leads_at(finals, beta) if lead]
         if len(leads) == len(RULES):
             found[beta] = [lead.found for lead in leads]
     if len(found) < 2:
@@ -110,7 +118,11 @@ def at_each_beta(configuration: Configuration, results: Path = RESULTS) -> str:
         if lead.interval()[0] > 0
     ]
     said = "; by ".join(f"{_values(leads)} at beta = {beta:g}" for beta, leads in found.items())
-    verdict = f"Distinguishably above: {listed(above)}" if above else "No rule is clearly above it"
+    verdict = (
+        f"Distinguishably above: {listed(above)}"
+        if above
+        else "No rule here is clearly above NEAT (w/o)"
+    )
     return (
         "The paper does not give beta, the scale of the reward; a smaller one acts like lower "
         f"learning rates. In final fitness on Lunar Lander {listed(map(method_label, RULES))} "
@@ -143,16 +155,16 @@ def _in_words(lead: Difference) -> str:
     return f"{lead.value:+.1f} [{low:.1f}, {high:.1f}]"
 
 
-def _finals(reading: str, beta: float, results: Path) -> Finals:
-    """Return the function that finds runs under a beta, or with the same eta · beta."""
-    others = [with_changes(reading, f"plasticity.reward_scale={each:g}") for each in BETAS]
+def _finals(reading: str, results: Path) -> Finals:
+    """Return the function that finds runs of a cell under a beta, or with the same eta · beta."""
+    changed = [with_changes(reading, f"plasticity.reward_scale={beta:g}") for beta in BETAS]
     found = [
         Campaign(load_configuration(PAPER_BUDGET, reading=each), results, partial=True)
-        for each in dict.fromkeys((reading, *others))
+        for each in (reading, *changed)
     ]
 
     @cache
-    def finals(wanted: Cell) -> list[float]:
+    def finals(wanted: Cell, beta: float) -> list[float]:
         for campaign in found:
             scale = campaign.configuration.plasticity.reward_scale
             for cell in cells(campaign.configuration):
@@ -167,27 +179,20 @@ def _finals(reading: str, beta: float, results: Path) -> Finals:
     return finals
 
 
-def _papers_lead() -> Difference:
-    """Return Hebb's lead over NEAT (w/o) on Lunar Lander in Table 7."""
-    return _papers_leads()[RULES.index("hebb")]
-
-
-def _hebb_leads(finals: Finals) -> str:
+def _hebb_leads(finals: Finals, beta: float) -> str:
     """Compare Hebb's lead over NEAT (w/o) on Lunar Lander with that of Table 7."""
-    hebb = finals(Cell(LANDER, "hebb", 300, 0.00025))
-    without = finals(Cell(LANDER, "neat_wo", 300, None))
-    if not (hebb and without):
+    lead = _leads_at(finals, beta)[HEBB]
+    if lead is None:
         return NOT_RUN
-    ours = difference(Moments.of(hebb), Moments.of(without))
-    low, high = ours.interval()
-    paper_low, _ = _papers_lead().interval()
+    low, high = lead.found.interval()
+    paper_low, _ = _papers_leads()[HEBB].interval()
     verdict = "seen" if low > 0 else "contradicted" if high < paper_low else "open"
-    return f"{verdict}: {_in_words(ours)}, {len(hebb)} against {len(without)} runs"
+    return f"{verdict}: {_in_words(lead.found)}, {lead.runs} against {lead.against} runs"
 
 
-def _best_rate(finals: Finals, rates: Sequence[float]) -> str:
+def _best_rate(finals: Finals, beta: float, rates: Sequence[float]) -> str:
     """Compare BCM's learning rates on Lunar Lander."""
-    runs = {rate: finals(Cell(LANDER, "bcm", 300, rate)) for rate in rates}
+    runs = {rate: finals(Cell(LANDER, "bcm", 300, rate), beta) for rate in rates}
     known = {rate: Moments.of(each) for rate, each in runs.items() if each}
     if 0.25 not in known or len(known) == 1:
         return NOT_RUN
@@ -201,9 +206,9 @@ def _best_rate(finals: Finals, rates: Sequence[float]) -> str:
     return f"{verdict}: {said}"
 
 
-def _oja_falls(finals: Finals, ceiling: float) -> str:
+def _oja_falls(finals: Finals, beta: float, ceiling: float) -> str:
     """Count the runs that end at CartPole's ceiling."""
-    runs = {rule: finals(Cell("cartpole", rule, 50, 0.25)) for rule in ("oja", "hebb", "bcm")}
+    runs = {rule: finals(Cell("cartpole", rule, 50, 0.25), beta) for rule in ("oja", "hebb", "bcm")}
     if not all(runs.values()):
         return NOT_RUN
     there = {rule: sum(final == ceiling for final in each) for rule, each in runs.items()}

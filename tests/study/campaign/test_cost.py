@@ -20,11 +20,9 @@ MEASURED = {
 LENGTHS = {"hopper": {"oja": {1: 100.0, 4: 250.0, 8: 500.0}, "neat": {1: 30.0, 8: 30.0}}}
 
 
-@pytest.fixture(autouse=True)
-def lengths(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
-    """Recorded lengths, made up but for tests of the shipped ones."""
-    if "shipped" not in request.node.name:
-        monkeypatch.setattr(cost, "recorded_lengths", lambda: LENGTHS)
+@pytest.fixture
+def made_up_lengths(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cost, "recorded_lengths", lambda: LENGTHS)
 
 
 def spec(task: str, **changed: int) -> RunSpec:
@@ -37,6 +35,7 @@ def get(quantity: str, task: str, networks: str) -> float | None:
     return MEASURED.get((quantity, task, networks))
 
 
+@pytest.mark.usefixtures("made_up_lengths")
 def test_a_run_costs_its_evaluations() -> None:
     usual, longest = (run_seconds(spec("hopper"), get, to_the_limit=limit) for limit in (0, 1))
     assert usual == pytest.approx(400 * (500 * 100e-6 + 30e-6))
@@ -44,17 +43,20 @@ def test_a_run_costs_its_evaluations() -> None:
     assert run_seconds(spec("hopper", population=100), get) == pytest.approx(2 * usual)
 
 
+@pytest.mark.usefixtures("made_up_lengths")
 def test_between_recorded_generations_episodes_grow_evenly() -> None:
     assert steps_of_an_evaluation("hopper", "oja", 1) == 100.0
     assert steps_of_an_evaluation("hopper", "oja", 4) == 250.0
     assert steps_of_an_evaluation("hopper", "oja", 6) == pytest.approx((4 * 250 + 8 * 500) / 2 / 6)
 
 
+@pytest.mark.usefixtures("made_up_lengths")
 def test_after_them_episodes_are_as_long_as_in_the_last_of_them() -> None:
     late = (8 * 500 - 4 * 250) / 4
     assert steps_of_an_evaluation("hopper", "oja", 48) == pytest.approx((4000 + 40 * late) / 48)
 
 
+@pytest.mark.usefixtures("made_up_lengths")
 def test_a_method_without_records_is_like_the_others() -> None:
     assert steps_of_an_evaluation("hopper", "hebb_mutated", 8) == (500 + 30) / 2
     assert steps_of_an_evaluation("gym:Acrobot-v1", "oja", 8) is None
