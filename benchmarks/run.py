@@ -57,7 +57,6 @@ def run(tasks: list[str], rounds: int, quick: bool) -> dict[Key, list[float]]:
     for task in tasks:
         _say(f"{task}: short runs")
         generations = scales[task].short_run
-        values["short_run_generations", task, ""].append(float(generations))
         for method in ("hebb", "neat"):
             short = runs.short_run(task, method, generations)
             for quantity, value in short.items():

@@ -39,8 +39,6 @@ def made_up(task: str) -> dict[Key, list[float]]:
         ("serial_share", ""): [0.25, 0.25],
         ("short_run", "hebb"): [20.0],
         ("short_run", "neat"): [20.0],
-        ("short_run_steps", "hebb"): [180.0],
-        ("short_run_steps", "neat"): [180.0],
         ("short_run_late_steps", "hebb"): [180.0],
         ("short_run_late_steps", "neat"): [180.0],
     }
