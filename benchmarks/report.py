@@ -13,10 +13,11 @@ import pandas as pd
 from benchmarks import envpool_steps
 from benchmarks.page import page
 from benchmarks.plot import plot
-from benchmarks.scaling import replace_generated, scaling
+from benchmarks.scaling import BEGIN, END, scaling
 from benchmarks.table import Table
 from neol.base.files import write_atomically
 from neol.run.provenance import provenance
+from neol.study.report.common import replace_between
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -54,8 +55,8 @@ def render(folder: Path) -> None:
     plot(table, folder / "benchmarks.png")
     text = folder / "scaling.md"
     if text.exists():
-        generated = replace_generated(text.read_text(encoding="utf-8"), scaling(table, about))
-        write_atomically(text, generated.encode())
+        old = text.read_text(encoding="utf-8")
+        write_atomically(text, replace_between(old, BEGIN, END, scaling(table, about)).encode())
 
 
 if __name__ == "__main__":

@@ -26,14 +26,6 @@ CORES = (1, 8, 64, 512)
 HOUR = 3600
 
 
-def replace_generated(text: str, generated: str) -> str:
-    """Replace everything between the two markers of a text."""
-    before, _, rest = text.partition(BEGIN)
-    _, marker, after = rest.partition(END)
-    assert marker, f"no {BEGIN} ... {END}"
-    return f"{before}{BEGIN}\n{generated}\n{END}{after}"
-
-
 def scaling(table: Table, about: Mapping[str, str]) -> str:
     """Describe the measurements, the paper's cost, and the default budget's beside its records."""
     where = f"{about['CPU']}, {about['Date']} ({about['Run']})"

@@ -15,6 +15,7 @@ from neol.study.output.captions import (
     describe_populations,
     describe_seeds,
 )
+from neol.study.report.readme import README, RESULTS_PAGE, with_parts
 
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 CODE_SPAN = re.compile(r"`([^`\n]+)`")
@@ -98,11 +99,10 @@ def test_the_readme_knows_the_budgets_and_their_records() -> None:
 
 
 def test_the_readme_shows_the_results_as_they_were_written() -> None:
-    results = (ROOT / "docs" / "results.md").read_text()
-    in_short = results.split("\n## In short\n\n")[1].split("\nThe tables below")[0]
-    table_1 = re.search(r"\n## Table 1\n[\s\S]*?\n((?:\|.*\n)+)", results)
-    assert table_1
-    shown = " ".join((ROOT / "README.md").read_text().split())
-    blocks = [*in_short.split("\n\n"), table_1[1]]
-    missing = [block for block in blocks if " ".join(block.split()) not in shown]
-    assert not missing, "copy them from docs/results.md"
+    readme, results = (path.read_text(encoding="utf-8") for path in (README, RESULTS_PAGE))
+    assert readme == with_parts(readme, results), "run: python -m neol.study.report.readme"
+
+
+def test_a_text_without_markers_is_refused() -> None:
+    with pytest.raises(AssertionError, match=r"answer of docs/results\.md: begin"):
+        with_parts("no markers here", RESULTS_PAGE.read_text(encoding="utf-8"))
