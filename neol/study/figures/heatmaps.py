@@ -62,7 +62,12 @@ def heatmaps(
                 xticklabels=populations,
                 yticklabels=[f"{rate:g}" for rate in learning_rates] if position == 0 else [],
             )
-            axis.set_ylim(0, len(learning_rates))  # the lowest rate at the bottom
+            # The lowest rate is at the bottom. A method without rates stands between them.
+            bottom = (len(mean) - len(learning_rates)) / 2
+            axis.set_ylim(bottom, bottom + len(learning_rates))
+            if len(mean) < len(learning_rates):
+                middle, above = len(populations) / 2, len(mean) + 0.15
+                axis.text(middle, above, "no learning rate", ha="center", fontsize=6.5)
             axis.set_title(method_label(method))
             axis.set_xlabel("Population size")
             axis.tick_params(length=0, rotation=0)
@@ -131,9 +136,9 @@ def _write_cells(
         mark = NEAR_CONTROL_MARK if grid["near_control"][row, column] else ""
         text = drawn(three_figures(value)) + mark if there else "no runs"
         beneath = f"{there}/{seeds}" if 0 < there < seeds else ""
-        error = grid["standard_error"][row, column]
+        error = float(grid["standard_error"][row, column])
         if there == seeds and math.isfinite(error):
-            beneath = f"±{drawn(f'{error:.2g}' if error < 100 else f'{error:.0f}')}"
+            beneath = f"±{_two_figures(error)}"
         size = min(6.5, 36.0 / len(text))  # cells of four populations are narrow
         written = [
             axis.text(column + 0.5, row + (0.64 if beneath else 0.5), text, ha="center",
@@ -152,6 +157,15 @@ def _write_cells(
             axis.add_patch(
                 _frame(row, column, 0.045, edgecolor=ink, linewidth=0.5, linestyle=(0, (2, 1.5)))
             )
+
+
+def _two_figures(error: float) -> str:
+    """Write an error with two figures and without an exponent: 0.000072, 1.7, 340."""
+    return (
+        f"{error:.0f}"
+        if error >= 100
+        else np.format_float_positional(float(f"{error:.2g}"), trim="-")
+    )
 
 
 def _frame(row: int, column: int, inset: float, *, linewidth: float = 0, **style: Any) -> Rectangle:

@@ -167,7 +167,7 @@ def test_cells_print_means_with_the_lowest_rate_at_the_bottom() -> None:
     figure = draw_heatmaps(runs())
     assert texts(figure, 0)[::2] == ["60.0†", "120†", "120", "240"]
     assert texts(figure, 0)[1::2] == ["±0.58"] * 4
-    assert texts(figure, 1) == ["1.50", "±0"] * 2
+    assert texts(figure, 1) == ["no learning rate", *["1.50", "±0"] * 2]
     assert "† near control" in footer(figure)
     assert figure.axes[0].get_ylim() == (0, 2)
     assert [text.get_text() for text in figure.axes[0].get_yticklabels()] == ["0.1", "0.2"]
@@ -256,6 +256,17 @@ def test_a_budget_has_the_heat_maps_of_its_tasks() -> None:
 def test_panels_share_a_scale() -> None:
     bcm, neat = (axis.collections[0].get_clim() for axis in draw_heatmaps(runs()).axes[:2])
     assert bcm == neat == (1.5, 240)
+
+
+def test_a_method_without_learning_rate_stands_between_the_rates() -> None:
+    bcm, neat = draw_heatmaps(runs()).axes[:2]
+    assert bcm.get_ylim() == (0, 2)
+    assert neat.get_ylim() == (-0.5, 1.5)  # its row is from 0 to 1
+
+
+def test_standard_errors_have_two_figures_and_no_exponent() -> None:
+    table = runs().assign(value=lambda rows: rows["seed"] * 7.1e-5)
+    assert texts(draw_heatmaps(table), 0)[1::2] == ["±0.000041"] * 4
 
 
 def test_the_single_highest_cell_is_framed_and_thinly_those_near_it() -> None:
