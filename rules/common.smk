@@ -24,7 +24,7 @@ from neol.study.campaign.shown import (
     results_page,
     select,
 )
-from neol.study.workflow.exhibits import GRID, by_notebook, exhibits, records
+from neol.study.workflow.exhibits import by_notebook, exhibits, records
 from neol.study.workflow.snakemake import (
     clear_stale_locks,
     pattern,

@@ -1,7 +1,7 @@
 """Reports on the results.
 
-These are the page figures/report.html, the paper paper/reproduction.pdf (needs LaTeX), and docs/results.md, which is
-committed together with a page for CartPole at the paper's budget.
+These are the page figures/report.html, the paper paper/reproduction.pdf (needs LaTeX), and the pages docs/results.md and
+docs/readings.md, which are committed.
 """
 
 REPORT = f"{FIGURES}/report.html"
@@ -17,6 +17,11 @@ WORDS = sorted(glob("neol/study/report/*.*")) + [
     "docs/benchmarks.csv",
     "docs/episode-lengths.csv",
 ]
+
+
+def paper_records(reading):
+    """Return the records at the paper's budget of a reading and of its variants, such as other betas."""
+    return sorted(glob(f"results/{reading}*/{PAPER_BUDGET}/*/*/*/*.parquet"))
 
 
 rule report:
@@ -56,8 +61,14 @@ rule switched_off:
         code=[
             "neol/study/report/switched_off.py",
             "neol/champions/player.py",
+            *RESULT_CODE,
         ],
-        records=[str(RESULTS / path) for path in records(CONFIGURATION, GRID)],
+        records=[
+            str(RESULTS / path)
+            for path in dict.fromkeys(
+                records(CONFIGURATION, "table3") + records(CONFIGURATION, "table4")
+            )
+        ],
     output:
         f"build/{PLACE}/switched_off.csv",
     log:
@@ -83,6 +94,7 @@ rule report_page:
         shown=made(),
         assumptions="docs/assumptions.md",
         citation="CITATION.cff",
+        paper=paper_records(READING),
         code=WORDS,
     output:
         REPORT,
@@ -109,6 +121,7 @@ rule results_page:
         shown=NUMBERS,
         picture=f"{FIGURES}/figure2.png",
         effects=f"{FIGURES}/beyond_effects.png",
+        paper=paper_records(READING),
         code=WORDS,
     output:
         page=RESULTS_PAGE,
@@ -142,7 +155,7 @@ rule readings_page:
             for folder in sorted(Path("results").glob(f"*/{budget}"))
             for record in records_below(folder)
         ],
-        paper=sorted(glob(f"results/{DEFAULT_READING}*/{PAPER_BUDGET}/*/*/*/*.parquet")),
+        paper=paper_records(DEFAULT_READING),
         candidates=glob("config/search/*.yaml") + sorted(glob("config/readings/*.yaml")),
         code=sorted(
             {
@@ -171,6 +184,7 @@ rule paper_numbers:
     input:
         shown=NUMBERS,
         citation="CITATION.cff",
+        paper=paper_records(READING),
         code=WORDS,
     output:
         f"build/{PLACE}/paper/results.tex",

@@ -131,9 +131,9 @@ def spawn_counts(adjusted: npt.NDArray[np.float64], size: int, neat: Neat) -> np
     total = adjusted.sum()
     even = np.full(len(adjusted), size / len(adjusted))
     share = size * adjusted / total if total > 0.0 else even
-    minimum = max(neat.min_species_size, neat.elitism)
+    minimum = neat.places_kept
     alive = np.zeros(len(adjusted), dtype=np.bool_)
-    alive[np.argsort(-share, kind="stable")[: max(size // max(minimum, 1), 1)]] = True
+    alive[np.argsort(-share, kind="stable")[: max(size // minimum, 1)]] = True
     minima = np.where(alive, min(minimum, size), 0)
     spawn = np.where(alive, np.maximum(minima, np.rint(share).astype(np.int64)), 0)
     while spawn.sum() > size:

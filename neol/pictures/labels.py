@@ -33,8 +33,8 @@ def task_label(task: str) -> str:
 
 
 def listed(words: Iterable[str]) -> str:
-    """Join words as in "BCM, Hebb and Oja"."""
-    *others, last = words
+    """Join words as in "BCM, Hebb and Oja"; empty for none."""
+    *others, last = [*words] or [""]
     return f"{', '.join(others)} and {last}" if others else last
 
 

@@ -109,7 +109,7 @@ class Evolution:
         population, species_set, innovations = self._reproduce()
         networks, gene = self._decode(population.pool)
         rollouts = engine.evaluate(networks, self._episode_seeds(), spec.plasticity)
-        rollouts = fail_where_mean_overflows(rollouts)
+        rollouts = fail_where_mean_is_too_large(rollouts)
         worst = min((row.best_fitness for row in history), default=0.0)
         population = replace(population, fitness=finite_fitness(rollouts, fallback=worst))
         learned = keep_inherited_where_failed(networks, rollouts)
@@ -164,6 +164,8 @@ class Evolution:
 
 
 COLUMNS = tuple(column.name for column in fields(Generation))
+LARGEST_RETURN = 1e150
+"""Largest magnitude of a mean return, so that sums of squares over a population stay finite."""
 
 
 def mean_returns(rollouts: Rollouts) -> npt.NDArray[np.float64]:
@@ -173,9 +175,10 @@ def mean_returns(rollouts: Rollouts) -> npt.NDArray[np.float64]:
     return means
 
 
-def fail_where_mean_overflows(rollouts: Rollouts) -> Rollouts:
-    """Mark networks as failed whose mean return is not finite, though each return may be."""
-    return replace(rollouts, failed=rollouts.failed | ~np.isfinite(mean_returns(rollouts)))
+def fail_where_mean_is_too_large(rollouts: Rollouts) -> Rollouts:
+    """Mark networks as failed whose mean return is not a number, or beyond `LARGEST_RETURN`."""
+    ordinary = np.abs(mean_returns(rollouts)) <= LARGEST_RETURN
+    return replace(rollouts, failed=rollouts.failed | ~ordinary)
 
 
 def finite_fitness(rollouts: Rollouts, fallback: float) -> npt.NDArray[np.float64]:

@@ -105,7 +105,7 @@ class SeedInfo(Model):
     provenance: Provenance
 
 
-def campaign_name(reading: str | None, budget: str) -> str:
+def campaign_name(reading: str, budget: str) -> str:
     """Return a campaign's name, which is its folder below results/: rare_mutation/demo."""
     return f"{reading}/{budget}"
 
@@ -137,8 +137,10 @@ class Record:
 
     @property
     def campaign(self) -> str | None:
-        """Campaign of the record, such as rare_mutation/demo; None without a budget."""
-        return None if self.budget is None else campaign_name(self.reading, self.budget)
+        """Campaign of the record, such as rare_mutation/demo; None without budget or reading."""
+        if self.budget is None or self.reading is None:
+            return None
+        return campaign_name(self.reading, self.budget)
 
     def frame(self) -> "pd.DataFrame":
         """Return the rows as a data frame.

@@ -172,12 +172,20 @@ class NeatConstants(Model):
     species_elitism: NonNegativeInt
     """Number of best species that are never removed for stagnation."""
 
+    @property
+    def places_kept(self) -> int:
+        """Least offspring of a species that has any (Algorithm 4, lines 3 and 8)."""
+        return max(self.min_species_size, self.elitism)
+
 
 class Neat(NeatConstants):
     """NEAT of a run."""
 
     weight_mutation: WeightMutation
-    """WM_MODE: off, config (the rates above) or a probability that replaces weight_mutate_rate."""
+    """WM_MODE: off (no value is mutated), config (the rates above) or a probability.
+
+    A probability replaces both mutate rates, of weights and biases; then no value is replaced.
+    """
 
 
 class Method(Model):

@@ -11,7 +11,7 @@ from neol.random.seeds import Stream, generator
 from neol.rollout.engine import Rollouts
 from neol.rollout.reference import ReferenceEngine
 from neol.run.evolution import Evolution, finite_fitness
-from neol.spec.constants import Plasticity
+from neol.spec.constants import Plasticity, Task
 from tests.helpers.networks import outputs_of
 from tests.helpers.runs import evolve, run_spec
 
@@ -126,27 +126,33 @@ def test_a_failed_evaluation_is_the_worst() -> None:
 
 
 class Generous(ReferenceEngine):
-    """Plays CartPole, and replaces the first network's returns by the largest floats."""
+    """Plays CartPole, and replaces the first network's returns by a huge one."""
+
+    def __init__(self, task: Task, huge: float) -> None:
+        super().__init__(task)
+        self.huge = huge
 
     def evaluate(
         self, networks: Networks, seeds: npt.NDArray[np.uint64], plasticity: Plasticity
     ) -> Rollouts:
         rollouts = super().evaluate(networks, seeds, plasticity)
-        rollouts.returns[0] = np.finfo(np.float64).max
+        rollouts.returns[0] = self.huge
         return rollouts
 
 
-def test_a_mean_return_that_overflows_is_a_failed_evaluation() -> None:
+@pytest.mark.parametrize("huge", [np.finfo(np.float64).max, -1e151])
+def test_a_mean_return_that_is_too_large_is_a_failed_evaluation(huge: float) -> None:
     evolution = Evolution.begin(run_spec("oja", 0, "evaluation.episodes=2"), 4, 2)
     inherited = evolution.reproduction.initial_population(
         evolution.spec.population, generator(evolution.spec.seed, Stream.INITIAL)
     )
-    row = evolution.step(Generous(evolution.spec.task))
+    row = evolution.step(Generous(evolution.spec.task, huge))
     first, *others = evolution.state.population
     assert row.failed_evaluations == 1
     assert first.fitness == np.nextafter(min(g.fitness for g in others), -np.inf)
     assert (first.connections == inherited[0].connections).all(), "it does not keep what it learned"
     assert row.best_fitness == max(genome.fitness for genome in others)
+    assert np.isfinite([row.mean_fitness, row.sd_fitness]).all()
 
 
 class XorEngine:

@@ -128,7 +128,7 @@ def effect_of_learning(plastic: Sequence[Trace], frozen: Sequence[Trace], step: 
     ]
     low, high = mean_interval(np.array(gains))
     interval = f"{np.mean(gains):+.1f} [{low:+.1f}, {high:+.1f}]"
-    if low <= 0 <= high:
+    if not (low > 0 or high < 0):  # also where a single episode has no interval
         return (
             f"These {len(gains)} episodes do not show that plasticity after step {step} changes "
             f"this champion's return (mean change {interval})."

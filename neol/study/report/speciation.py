@@ -23,9 +23,9 @@ def species_by_cell(campaign: Campaign) -> pd.DataFrame:
     """Return a row for each cell with runs: its place in the grid, and means over generations.
 
     `species` is their number, `crowded` the share of generations in which the places that every
-    species keeps (`min_species_size`) fill the population.
+    species keeps (`places_kept`) fill the population.
     """
-    kept = campaign.configuration.neat.min_species_size
+    kept = campaign.configuration.neat.places_kept
     rows = []
     order = shown_methods(campaign.configuration.budget)
     shown = [cell for cell in cells(campaign.configuration) if cell.method in order]
@@ -64,8 +64,8 @@ def crowded_cells(species: pd.DataFrame) -> str:
 def without_weights(campaign: Campaign, species: pd.DataFrame) -> list[str]:
     """Say how crowded cells end where weights do not count in the distance between genomes.
 
-    It compares the seeds that have runs of both kinds at the paper's budget; docs/scaling.md has
-    the plan of these runs.
+    It compares the seeds that have runs of both kinds at the paper's budget, at least two;
+    docs/scaling.md has the plan of these runs.
     """
     reading = f"{campaign.configuration.reading}+{WITHOUT_WEIGHTS}"
     configuration = load_configuration(PAPER_BUDGET, reading=reading)
@@ -73,10 +73,16 @@ def without_weights(campaign: Campaign, species: pd.DataFrame) -> list[str]:
     sentences = []
     for row in _crowded(species).to_dict("records"):
         cell = Cell(row["task"], row["method"], row["population"], row["learning_rate"])
-        if cell not in known or not other.runs(cell).final_best:
+        lengths = {
+            each.budget.generations_of(cell.task)
+            for each in (configuration, campaign.configuration)
+        }
+        if cell not in known or len(lengths) > 1:
             continue
         here, there = campaign.runs(cell).final_best, other.runs(cell).final_best
         seeds = sorted(here.keys() & there.keys())
+        if len(seeds) < 2:
+            continue
         count = other.runs(cell).rows["species"].mean()
         sentences.append(
             f"{method_label(cell.method)} at rate {cell.learning_rate:g} has {_rounded(count)} "

@@ -72,8 +72,10 @@ class Manifest(Model):
 
     @property
     def campaign(self) -> str | None:
-        """Campaign such as rare_mutation/demo; None if the records have no budget."""
-        return None if self.budget is None else campaign_name(self.reading, self.budget)
+        """Campaign such as rare_mutation/demo; None without budget or reading."""
+        if self.budget is None or self.reading is None:
+            return None
+        return campaign_name(self.reading, self.budget)
 
     def covers(self, job: Job) -> bool:
         """Whether the manifest covers the record of this job."""

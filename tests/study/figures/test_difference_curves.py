@@ -41,7 +41,10 @@ def test_only_generations_that_are_distinguishable_count() -> None:
 def test_without_a_baseline_there_is_nothing() -> None:
     alone = curves()
     alone = alone[alone["method"] == "hebb"]
-    assert differences_over_generations(alone).empty
+    table = differences_over_generations(alone)
+    assert table.empty
+    figure = draw_difference_curves(table, configuration(tasks=("hopper",)).budget, "note")
+    assert png(figure).startswith(b"\x89PNG")
 
 
 def test_it_is_drawn() -> None:

@@ -33,6 +33,9 @@ def test_without_weights_the_same_seeds_are_compared() -> None:
     assert sentence.startswith("BCM at rate 0.25 has ")
     assert sentence.endswith(f"instead of {mean(ends):.0f} ± {stdev(ends):.0f} (10 seeds)")
     assert without_weights(shipped, pd.DataFrame([], columns=COLUMNS)) == []
+    shorter = load_configuration("evidence", ["budget.generations=60", "budget.records_of={}"])
+    unlike = Campaign(shorter, RESULTS, partial=True)
+    assert without_weights(unlike, pd.DataFrame(rows, columns=COLUMNS)) == []
 
 
 def test_cells_whose_species_fill_the_population_are_named() -> None:
