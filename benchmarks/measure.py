@@ -18,6 +18,8 @@ Measurement = Callable[[], Values]
 METHOD, RATE = "hebb", 2.5e-4  # the cheapest rule, for the peer too, at its rate of Table 3
 RULES = ("hebb", "oja", "bcm")
 POPULATION = 50
+AT_LEAST = 0.05
+"""CPU seconds over which a short call is repeated."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Scale:
     worker_run: int
     """Generations of the runs with one and two workers, P = 100."""
     short_run: int
-    """Generations of the runs that measure the length of evaluations, P = 50."""
+    """Generations of the runs that measure CPU time per step, P = 50."""
 
 
 FULL = {
@@ -63,10 +65,10 @@ def run_spec_of(
     )
 
 
-def cpu_seconds(work: Callable[[], object], at_least: float = 0.05) -> float:
-    """Return the CPU seconds of one call, from as many calls as fit into the time."""
+def cpu_seconds(work: Callable[[], object]) -> float:
+    """Return the CPU seconds of one call, from as many calls as fit into `AT_LEAST`."""
     calls, seconds = 0, 0.0
-    while seconds < at_least:
+    while seconds < AT_LEAST:
         start = time.process_time()
         work()
         seconds += time.process_time() - start

@@ -113,7 +113,6 @@ class Table:
     def __init__(self, frame: pd.DataFrame) -> None:
         keys = zip(frame["quantity"], frame["task"], frame["networks"], strict=True)
         self._median: dict[Key, float] = dict(zip(keys, frame["median"].tolist(), strict=True))
-        self.rounds = int(frame["rounds"].max())
         self.tasks = [task for task in TITLES if task in set(frame["task"])]
 
     def get(self, quantity: str, task: str, networks: str = "") -> float | None:

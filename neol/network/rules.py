@@ -18,7 +18,7 @@ Change = Callable[[float, float, float, float], float]
 """Change of w per unit of the gate, as a function of x, y, w and theta."""
 
 NO_RULE = "none"
-WITHOUT_RULE = ("neat", "neat_wo")
+BASELINES = ("neat", "neat_wo")
 """Methods without online learning."""
 MUTATED = "_mutated"
 """Ending of the methods with both a rule and weight mutation, such as oja_mutated."""
@@ -40,7 +40,7 @@ RULES: dict[str, Rule] = {}
 
 def method_names() -> list[str]:
     """Return the names of all methods: each rule makes two, without and with weight mutation."""
-    return [*WITHOUT_RULE, *RULES, *(name + MUTATED for name in RULES)]
+    return [*BASELINES, *RULES, *(name + MUTATED for name in RULES)]
 
 
 def rule(change: Change) -> Change:
@@ -60,7 +60,7 @@ def rule(change: Change) -> Change:
             f"rule {name}: its name must not end in {MUTATED}, which stands for weight mutation"
         )
     elsewhere = name in RULES and RULES[name].change.__module__ != change.__module__
-    if elsewhere or name in (NO_RULE, *WITHOUT_RULE):
+    if elsewhere or name in (NO_RULE, *BASELINES):
         raise UserError(f"rule {name}: the name is taken, choose another")
     RULES[name] = Rule(name, (inspect.getdoc(change) or "").partition("\n")[0], change)
     return change

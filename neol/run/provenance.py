@@ -76,7 +76,7 @@ UNKNOWN = Provenance(
 
 
 def provenance() -> Provenance:
-    """Return the provenance of a run that has just finished in this process."""
+    """Return the provenance of this process, now."""
     commit, dirty = checkout()
     return Provenance(
         versions={"python": platform.python_version(), **{p: package_version(p) for p in PACKAGES}},

@@ -219,9 +219,8 @@ def _refuse_other_label(
 
 def _same_seeds(record: Record, seeds: Sequence[int], path: Path) -> Record:
     found = [info.seed for info in record.seeds]
-    if found != sorted(seeds):
+    if found != list(seeds):
         raise UserError(
-            f"{path}: contains seeds {found}, not {sorted(seeds)}; "
-            "remove it or choose another output"
+            f"{path}: contains seeds {found}, not {list(seeds)}; remove it or choose another output"
         )
     return record

@@ -52,8 +52,7 @@ def read_reading(folder: Path, name: str) -> Reading:
         raise UserError(
             f"{folder / name}.yaml: cannot be part of a path; name it with letters, digits, _ . -"
         )
-    overlay = Overlay()
-    overlay.add_file(folder / f"{name}.yaml")
+    overlay = Overlay.of(folder / f"{name}.yaml")
     reading = overlay.parse(Reading)
     if "budget" in reading.constants:
         place = overlay.place(("constants", "budget"))

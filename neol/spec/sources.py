@@ -36,6 +36,13 @@ class Overlay:
         self._sources: dict[tuple[str, ...], str] = {}
         self._options: dict[tuple[str, ...], str] = {}
 
+    @classmethod
+    def of(cls, path: Path) -> "Overlay":
+        """Return an overlay of a single file."""
+        overlay = cls()
+        overlay.add_file(path)
+        return overlay
+
     def add_file(self, path: Path) -> None:
         """Lay a YAML file over the present values."""
         name = str(Path(*path.parts[-2:]))  # config/base.yaml

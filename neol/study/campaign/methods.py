@@ -1,6 +1,6 @@
 """The methods that tables and figures compare, and their order."""
 
-from neol.network.rules import MUTATED, WITHOUT_RULE
+from neol.network.rules import BASELINES, MUTATED
 from neol.pictures.labels import METHOD_LABELS
 from neol.spec.constants import Budget
 
@@ -15,7 +15,7 @@ def challengers(budget: Budget) -> tuple[str, ...]:
 
 def shown_methods(budget: Budget) -> tuple[str, ...]:
     """Return all methods that tables and figures show, in their order."""
-    return (*challengers(budget), *WITHOUT_RULE)
+    return (*challengers(budget), *BASELINES)
 
 
 def mutated(rule: str) -> str:

@@ -39,9 +39,7 @@ def choices() -> dict[str, Choice]:
 
 @cache
 def _choices(file: Path) -> dict[str, Choice]:
-    overlay = Overlay()
-    overlay.add_file(file)
-    return overlay.parse(dict[str, Choice])
+    return Overlay.of(file).parse(dict[str, Choice])
 
 
 def universes() -> list[Universe]:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from neol.base.ending import exit_codes
 from neol.base.errors import UserError, hint
-from neol.network.rules import WITHOUT_RULE
+from neol.network.rules import BASELINES
 from neol.spec.configuration import CONFIG, load_configuration
 from neol.spec.sources import Overlay
 from neol.spec.types import Model, Text
@@ -18,8 +18,6 @@ from neol.study.campaign.grid import RESULTS, Block, blocks
 CANDIDATES = CONFIG / "search" / "candidates.yaml"
 SCREENING, CONFIRMATION = "search", "confirmation"
 """Budgets of the two stages."""
-BASELINES = tuple(WITHOUT_RULE)
-"""Methods that are compared with the paper's."""
 
 
 class Candidate(Model):
@@ -34,8 +32,7 @@ def candidates() -> dict[str, Candidate]:
 
     Raises UserError for an invalid file.
     """
-    overlay = Overlay()
-    overlay.add_file(CANDIDATES)
+    overlay = Overlay.of(CANDIDATES)
     found = overlay.parse(dict[str, Candidate])
     for name, candidate in found.items():
         if candidate.neat_wo is not None and found.get(candidate.neat_wo) != Candidate():

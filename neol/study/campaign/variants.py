@@ -41,7 +41,6 @@ class Variant(Model):
 class Trial:
     """A variant of a task and method: one record."""
 
-    variant: str
     task: str
     method: str
     spec: RunSpec
@@ -52,18 +51,12 @@ class Trial:
 
 def study() -> Study:
     """Return the size of the study from its file. Raises UserError for an invalid file."""
-    return _overlay(STUDY).parse(Study)
+    return Overlay.of(STUDY).parse(Study)
 
 
 def variants() -> dict[str, Variant]:
     """Return the listed variants, the baseline first. Raises UserError for an invalid file."""
-    return _overlay(VARIANTS).parse(dict[str, Variant])
-
-
-def _overlay(path: Path) -> Overlay:
-    overlay = Overlay()
-    overlay.add_file(path)
-    return overlay
+    return Overlay.of(VARIANTS).parse(dict[str, Variant])
 
 
 def trials(configuration: Configuration, name: str) -> list[Trial]:
@@ -89,7 +82,6 @@ def trials(configuration: Configuration, name: str) -> list[Trial]:
     learning_rate = budget.learning_rates[len(budget.learning_rates) // 2]
     return [
         Trial(
-            variant=name,
             task=task,
             method=method,
             spec=changed.run_spec(

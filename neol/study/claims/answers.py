@@ -18,9 +18,7 @@ from neol.study.claims.sides import Runs
 from neol.study.claims.verdicts import Verdict, expects, judge, state_of
 from neol.study.outcomes.outcomes import Outcomes
 from neol.study.outcomes.score import PAPER_GENERATIONS
-from neol.study.outcomes.statistics import ALPHA, holm
-
-POWER = 0.8
+from neol.study.outcomes.statistics import ALPHA, POWER, holm
 
 
 @dataclass(frozen=True, slots=True)

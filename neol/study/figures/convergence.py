@@ -15,6 +15,9 @@ from neol.pictures.style import GREY, WIDTH, Style, drawing, footer, styles
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK, NEAR_CONTROL_NOTE
 from neol.study.outcomes.statistics import Floats, mean_interval
 
+MARKERS = 5
+"""Marks on a line."""
+
 
 def convergence(
     curves: pd.DataFrame,
@@ -120,12 +123,12 @@ def clip_to_runs(axis: Axes, values: "pd.Series[float]") -> None:
     axis.set_ylim(max(bottom, low - margin), min(top, high + margin))
 
 
-def _spaced(points: int, offset: float, markers: int = 5) -> list[int]:
+def _spaced(points: int, offset: float) -> list[int]:
     """Return the positions of a line's markers, shifted so that those of methods do not overlap."""
-    if points <= 2 * markers:
+    if points <= 2 * MARKERS:
         return list(range(points))
-    step = points / markers
-    return [int(step * (marker + offset)) for marker in range(markers)]
+    step = points / MARKERS
+    return [int(step * (marker + offset)) for marker in range(MARKERS)]
 
 
 def _boxes(

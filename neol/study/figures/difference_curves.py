@@ -8,13 +8,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from neol.network.rules import BASELINES
 from neol.pictures.labels import listed, method_label, task_label
 from neol.pictures.style import GREY, WIDTH, drawing, footer
 from neol.spec.constants import Budget
 from neol.study.figures.figure import looks_of
 from neol.study.outcomes.contrasts import Moments, difference
-
-BASELINES = ("neat", "neat_wo")
 
 
 def differences_over_generations(curves: pd.DataFrame) -> pd.DataFrame:

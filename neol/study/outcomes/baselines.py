@@ -14,10 +14,11 @@ import pandas as pd
 from scipy import stats
 
 from neol.base.errors import UserError
+from neol.network.rules import BASELINES
 from neol.run.record import column_values
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS, run_specs
-from neol.study.campaign.search import BASELINES, baseline_blocks, source
+from neol.study.campaign.search import baseline_blocks, source
 from neol.study.outcomes.campaign_runs import SECONDS_IN_AN_HOUR, Source
 from neol.study.outcomes.paper_numbers import PAPER_SEEDS, PRINTED_IN, values
 from neol.study.outcomes.score import (
@@ -46,17 +47,17 @@ def paper_number(method: str, quantity: str) -> tuple[float, float]:
     return mean * unit, sd * unit
 
 
-def predictive_mean(sample: Floats, level: float = LEVEL) -> tuple[float, float]:
+def predictive_mean(sample: Floats) -> tuple[float, float]:
     """Return the predictive interval of the mean of `PAPER_SEEDS` further runs (normal theory)."""
     n = len(sample)
-    t = stats.t.ppf((1 + level) / 2, n - 1)
+    t = stats.t.ppf((1 + LEVEL) / 2, n - 1)
     reach = t * sample.std(ddof=1) * math.sqrt(1 / n + 1 / PAPER_SEEDS)
     return float(sample.mean() - reach), float(sample.mean() + reach)
 
 
-def predictive_sd(sample: Floats, level: float = LEVEL) -> tuple[float, float]:
+def predictive_sd(sample: Floats) -> tuple[float, float]:
     """Return the predictive interval of the standard deviation of `PAPER_SEEDS` further runs."""
-    tails = (1 - level) / 2, (1 + level) / 2
+    tails = (1 - LEVEL) / 2, (1 + LEVEL) / 2
     ratios = stats.f.ppf(tails, PAPER_SEEDS - 1, len(sample) - 1)
     low, high = sample.std(ddof=1) * np.sqrt(ratios)
     return float(low), float(high)

@@ -40,7 +40,7 @@ from neol.study.outcomes.statistics import (
 )
 
 ABLATION = "neat_wo"
-FITNESS, SCORE, HELD_OUT = OUTCOMES = "final fitness", "SCORE", "held-out return"
+FITNESS, SCORE, HELD_OUT = "final fitness", "SCORE", "held-out return"
 """Outcome by which methods are compared, in print."""
 
 

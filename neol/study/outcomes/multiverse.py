@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from neol.network.rules import BASELINES
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import RESULTS
 from neol.study.campaign.methods import challengers
@@ -21,7 +22,6 @@ from neol.study.campaign.multiverse import (
     configuration,
     method_blocks,
 )
-from neol.study.campaign.search import BASELINES
 from neol.study.outcomes.campaign_runs import SECONDS_IN_AN_HOUR, Campaign
 from neol.study.outcomes.contrasts import Moments, difference
 

@@ -94,11 +94,6 @@ class Outcomes:
         """Return the seeds of a cell's runs, in the order of `values`."""
         return [int(seed) for seed in self._by_cell.get(cell, self.runs.iloc[:0])["seed"]]
 
-    def mean(self, cell: Cell, metric: str) -> float:
-        """Return the mean of an outcome over the seeds that have runs; NaN without any."""
-        values = self.values(cell, metric)
-        return float(values.mean()) if len(values) else float("nan")
-
     def missing(self, cell: Cell) -> int:
         """Return the number of seeds that a cell lacks."""
         return len(self.budget.seeds_of(cell.task)) - len(self._by_cell.get(cell, ()))
@@ -132,7 +127,7 @@ class Outcomes:
 
 
 def gather(campaign: Campaign, *further: Campaign) -> Outcomes:
-    """Return the outcomes of a campaign, and of further ones whose cells it does not have."""
+    """Return the outcomes of a campaign and of further ones, which have other cells."""
     configuration = campaign.configuration
     campaigns = dict.fromkeys(cells(configuration), campaign)
     campaigns |= {cell: each for each in further for cell in cells(each.configuration)}

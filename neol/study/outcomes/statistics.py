@@ -21,6 +21,8 @@ Effect = Callable[..., Floats]
 """A function of samples, seeds along the last axis: float64[..., n_1], [..., n_2], ... -> [...]."""
 
 RESAMPLES = 10_000
+POWER = 0.8
+"""Probability with which the seeds that a test needs would find an effect."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,9 +138,9 @@ def bootstrap(
 
 
 def interval(
-    replicates: Floats, seeds: int, confidence: float = 1 - ALPHA
+    replicates: Floats, seeds: int
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Return the expanded percentile interval of replicates, along their first axis.
+    """Return the expanded 95% percentile interval of replicates, along their first axis.
 
     For few seeds the plain percentile interval is too narrow: by about t sqrt(n / (n - 1)) / z for
     a mean. Quantiles further out by that factor correct it (Hesterberg 2015). `seeds` is n, of the
@@ -147,7 +149,7 @@ def interval(
     if seeds < 2:
         nothing = np.full(replicates.shape[1:], np.nan)
         return nothing, nothing
-    t = stats.t.ppf((1 + confidence) / 2, seeds - 1) * math.sqrt(seeds / (seeds - 1))
+    t = stats.t.isf(ALPHA / 2, seeds - 1) * math.sqrt(seeds / (seeds - 1))
     tail = float(stats.norm.sf(t))
     low, high = np.quantile(replicates, [tail, 1 - tail], axis=0)
     return low, high
@@ -158,10 +160,9 @@ def estimate(
     samples: Sequence[npt.ArrayLike],
     random: np.random.Generator,
     *,
-    confidence: float = 1 - ALPHA,
     resamples: int = RESAMPLES,
 ) -> Estimate:
-    """Return an effect with its stratified bootstrap interval. All NaN where a sample is empty."""
+    """Return an effect with its stratified 95% bootstrap interval; NaN where a sample is empty."""
     arrays = [np.asarray(sample, dtype=np.float64) for sample in samples]
     seeds = min(len(array) for array in arrays)
     if not seeds:
@@ -169,34 +170,34 @@ def estimate(
     value = float(effect(*arrays))
     if seeds < 2:
         return Estimate(value, math.nan, math.nan)
-    low, high = interval(bootstrap(effect, arrays, random, resamples), seeds, confidence)
+    low, high = interval(bootstrap(effect, arrays, random, resamples), seeds)
     return Estimate(value, float(low), float(high))
 
 
-def mean_interval(values: Floats, confidence: float = 1 - ALPHA) -> tuple[Floats, Floats]:
-    """Return Student's interval of the mean over the last axis; NaN below two values."""
+def mean_interval(values: Floats) -> tuple[Floats, Floats]:
+    """Return Student's 95% interval of the mean over the last axis; NaN below two values."""
     if values.shape[-1] < 2:
         nothing = np.full(values.shape[:-1], np.nan)
         return nothing, nothing
     with warnings.catch_warnings(action="ignore"):  # of values that are all equal
-        low, high = stats.ttest_1samp(values, 0.0, axis=-1).confidence_interval(confidence)
+        low, high = stats.ttest_1samp(values, 0.0, axis=-1).confidence_interval(1 - ALPHA)
     return np.asarray(low), np.asarray(high)
 
 
 # --- Power --------------------------------------------------------------------------------------
 
 
-def seeds_needed(superiority: float, *, alpha: float = ALPHA, power: float = 0.8) -> float:
+def seeds_needed(superiority: float, *, alpha: float = ALPHA) -> float:
     """Return the seeds per method that the one-sided rank-sum test needs for an A12 (Noether 1987).
 
-    (z_alpha + z_power)^2 / (6 (A12 - 1/2)^2), rounded up; infinite for no effect, NaN for an
-    unknown one. An approximation, best for shifts of moderate size.
+    With power `POWER`: (z_alpha + z_power)^2 / (6 (A12 - 1/2)^2), rounded up; infinite for no
+    effect, NaN for an unknown one. An approximation, best for shifts of moderate size.
     """
     if math.isnan(superiority):
         return math.nan
     if superiority == 0.5:
         return math.inf
-    z = stats.norm.isf(alpha) + stats.norm.isf(1 - power)
+    z = stats.norm.isf(alpha) + stats.norm.isf(1 - POWER)
     return float(math.ceil(z**2 / (6 * (superiority - 0.5) ** 2)))
 
 

@@ -6,10 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from neol.network.rules import BASELINES
 from neol.pictures.labels import method_label, task_label
 from neol.pictures.style import GREY, WIDTH, drawing, styles
 from neol.study.campaign.multiverse import choices
-from neol.study.campaign.search import BASELINES
 from neol.study.outcomes.multiverse import METRICS
 
 CURVE_HEIGHT, MARKS_HEIGHT = 0.9, 0.5

@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 from neol.base.ending import exit_codes
 from neol.base.errors import UserError
 from neol.base.files import write_atomically
+from neol.network.rules import BASELINES
 from neol.pictures.labels import method_label, task_label
 from neol.pictures.style import write_picture
 from neol.spec.configuration import READINGS, load_configuration
 from neol.spec.readings import BASE_READING, DEFAULT_READING, read_reading
 from neol.study.campaign.grid import RESULTS
-from neol.study.campaign.search import BASELINES, CONFIRMATION, SCREENING, calls, candidates
+from neol.study.campaign.search import CONFIRMATION, SCREENING, calls, candidates
 from neol.study.outcomes.baselines import (
     COUNTINGS,
     QUANTITIES,

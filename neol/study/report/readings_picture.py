@@ -4,9 +4,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from neol.network.rules import BASELINES
 from neol.pictures.labels import method_label
 from neol.pictures.style import GREY, WIDTH, drawing, styles
-from neol.study.campaign.search import BASELINES
 from neol.study.outcomes.baselines import COUNTINGS, QUANTITIES
 
 TITLES = {"final": "final best fitness", "mean": "mean best fitness"}

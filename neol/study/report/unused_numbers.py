@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
+from neol.network.rules import BASELINES
 from neol.pictures.labels import method_label, task_label
 from neol.spec.configuration import PAPER_BUDGET, load_configuration
 from neol.study.campaign.grid import RESULTS, Cell, blocks
-from neol.study.campaign.search import BASELINES
 from neol.study.outcomes.baselines import TASK as SEARCHED
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.paper_numbers import moments
