@@ -1,7 +1,6 @@
 """The numbers of docs/scaling.md.
 
-`python -m benchmarks.scaling desk first` prints those of a budget, with those of its records by a
-reading; without the reading, by the default one.
+`python -m benchmarks.scaling desk` prints those of a budget, with those of its records.
 """
 
 import heapq
@@ -15,7 +14,6 @@ from neol.base.errors import UserError
 from neol.pictures.labels import method_label
 from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT, load_configuration
-from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.cost import Get, neat_seconds, recorded_lengths, run_seconds, shipped
 from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
 from neol.study.campaign.shown import DEFAULT_BUDGET, select
@@ -39,10 +37,10 @@ def prediction(get: Get, budget: str) -> str:
     return f"{_core_hours(costs)}\n{_runs(costs)}\n{_wall(costs)}"
 
 
-def comparison(get: Get, budget: str, reading: str = DEFAULT_READING) -> str:
+def comparison(get: Get, budget: str) -> str:
     """Compare the predicted cost of a budget's existing records with their measured cost."""
     parts = []
-    for cost in _costs(get, budget, reading):
+    for cost in _costs(get, budget):
         path, spec = ROOT / cost.job.record, cost.job.spec
         if path.exists():
             spent = sum(info.cpu_seconds for info in read_record(path, spec).seeds)
@@ -55,10 +53,10 @@ def comparison(get: Get, budget: str, reading: str = DEFAULT_READING) -> str:
     return markdown(header, rows)
 
 
-def spent(budget: str, reading: str = DEFAULT_READING) -> str:
+def spent(budget: str) -> str:
     """Return the measured cost of a budget's records, and that of its sensitivity study."""
     parts = []
-    for job in jobs(select(budget, reading=reading)):
+    for job in jobs(select(budget)):
         if (ROOT / job.record).exists():
             record = read_record(ROOT / job.record, job.spec)
             steps = sum(record.rows_of(seed)["env_steps"][-1] for seed in job.seeds)
@@ -96,10 +94,10 @@ class Cost:
         return len(self.job.seeds)
 
 
-def _costs(get: Get, budget: str, reading: str = DEFAULT_READING) -> list[Cost]:
+def _costs(get: Get, budget: str) -> list[Cost]:
     """Return the costs of a budget's grid, for its measured tasks."""
     found = []
-    for job in jobs(select(budget, reading=reading)):
+    for job in jobs(select(budget)):
         usual, longest = run_seconds(job.spec, get), run_seconds(job.spec, get, to_the_limit=True)
         if job.part != SENSITIVITY and usual is not None and longest is not None:
             found.append(Cost(job, len(job.seeds) * usual, len(job.seeds) * longest))
@@ -203,10 +201,10 @@ def _days(jobs: Iterable[float], cores: int) -> float:
 
 
 if __name__ == "__main__":
-    name, *reading = sys.argv[1:] or ["paper"]
+    name = sys.argv[1] if len(sys.argv) > 1 else "paper"
     try:
         print(prediction(shipped, name))
-        print(comparison(shipped, name, *reading))
-        print(spent(name, *reading))
+        print(comparison(shipped, name))
+        print(spent(name))
     except UserError as error:
         sys.exit(f"neol: {error}")

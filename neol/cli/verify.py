@@ -30,7 +30,7 @@ def digest(record: RecordPath) -> None:
 @app.command(
     epilog=examples(
         "neol manifest results/rare_mutation/demo",
-        "neol manifest results/first/paper --tasks cartpole",
+        "neol manifest results/rare_mutation/two_by_two",
     )
 )
 def manifest(

@@ -110,7 +110,7 @@ def test_every_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     made_up = configuration()
     write_campaign(tmp_path / "made_up", made_up, {})
     table1(Campaign(made_up, tmp_path / "made_up")).write(tmp_path / "figures")
-    for campaign in ("rare_mutation/demo", "first/paper"):
+    for campaign in ("rare_mutation/demo", "rare_mutation/two_by_two"):
         folder = Path("results", campaign)
         shutil.copytree(ROOT / folder, tmp_path / folder)
     monkeypatch.chdir(tmp_path)

@@ -44,6 +44,8 @@ Verdict = Literal[
 FOR: tuple[Verdict, ...] = ("reproduced", "same direction")
 """Verdicts for the paper; "mixed" is for it in part."""
 AGAINST: tuple[Verdict, ...] = ("not reproduced", "equivalent to zero")
+OPPOSITE = "the other direction"
+"""Reason of a verdict "not reproduced" where our effect is distinguishable from 0."""
 UNASKED: tuple[Verdict, ...] = ("too short", "not asked here")
 """Verdicts of questions that a budget is too small for."""
 
@@ -128,7 +130,7 @@ def _of_difference(
             return "mixed", "a part points the other way"
         return ("reproduced", "") if predicted else ("same direction", "not of the paper's size")
     if p_holm < ALPHA:
-        return "not reproduced", "the other direction"
+        return "not reproduced", OPPOSITE
     if _within(ours, margin, alpha):
         return "equivalent to zero", ""
     if paper is None:

@@ -25,7 +25,8 @@ cell is therefore a control: in effect NEAT without weight mutation.
 """
 NEAR_CONTROL_WORDS = (
     "near control: over a whole run the changes of a weight add up to less than "
-    f"{NEAR_CONTROL:g} standard deviations of the initial weights, so learning cannot explain it"
+    f"{NEAR_CONTROL:g} standard deviations of the initial weights, too little to explain a "
+    "difference by learning"
 )
 NEAR_CONTROL_MARK = "†"
 """Mark behind the name or value of such a cell."""

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from neol.pictures.labels import listed, task_label, value_range
+from neol.pictures.labels import listed, method_label, task_label, value_range
 from neol.study.claims.ledger import WHOLE
 from neol.study.claims.questions import load_questions, main_questions
 from neol.study.outcomes.campaign_runs import Campaign
@@ -19,13 +19,14 @@ from neol.study.report.speciation import crowded_cells, without_weights
 from neol.study.report.words import marked_name
 
 TERMS = (
-    "SCORE is the paper's measure of sample efficiency: best fitness summed over generations.",
+    "SCORE is the paper's measure of sample efficiency: best fitness summed over generations, "
+    "times the population, divided by a constant.",
     "NEAT (w/o) is NEAT without weight mutation, the paper's ablation.",
     "A champion is the best network of a run's last generation; fresh or held-out episodes are "
     "others than those that selected it.",
-    f"{NEAR_CONTROL_MARK} marks a rule that is {NEAR_CONTROL_WORDS}.",
 )
 """Sentences on the words that the points use; pages print them before."""
+MARK = f"{NEAR_CONTROL_MARK} marks a rule that is {NEAR_CONTROL_WORDS}."
 ANSWERS = {
     "reproduced": "Yes",
     "same direction": "Yes, but by another amount",
@@ -45,6 +46,12 @@ class Point(NamedTuple):
     def markdown(self) -> str:
         """Return the point with its lead in bold."""
         return f"**{self.lead}** {self.text}"
+
+
+def terms(*tables: pd.DataFrame) -> str:
+    """Explain the words that the points use, and the mark if a rule in the tables has it."""
+    is_marked = any(table["near_control"].eq(True).any() for table in tables)
+    return " ".join((*TERMS, MARK) if is_marked else TERMS)
 
 
 def in_short(
@@ -80,8 +87,8 @@ def questions_answered(ledger: pd.DataFrame) -> str:
     decided = {verdict: counts[verdict] for verdict in ANSWERS if verdict in counts}
     rest = {verdict: count for verdict, count in counts.items() if verdict not in decided}
     said = [
-        f"The paper's claims raise {len(whole)} questions; these runs ask {len(asked)} and "
-        f"answer {sum(decided.values())}."
+        f"The paper's claims raise {len(whole)} questions, those of the main claims among them; "
+        f"these runs ask {len(asked)} and answer {sum(decided.values())}."
     ]
     main = [question.id for question in main_questions()]
     others = asked[~asked["question"].isin(main)]
@@ -105,7 +112,8 @@ def against_neat(effects: pd.DataFrame) -> str:
     return (
         f"Of {len(tests)} tests of single rules, {len(held) or 'none'} {verb} after Holm's "
         f"correction{f': {_compared(held)}' if len(held) else ''}. They are not corrected for "
-        "earlier looks at fewer seeds, nor SCORE's for the choice of the best learning rate."
+        "earlier looks at fewer seeds. For SCORE the same seeds choose a rule's learning rate and "
+        "test it, which favours the rule; the paper's questions use separate seeds."
     )
 
 
@@ -113,40 +121,41 @@ def is_it_learning(effects: pd.DataFrame) -> str:
     """Say what remains of the rules' advantage beside NEAT without weight mutation."""
     ablation, rules = (_there(effects, of_rules=of_rules) for of_rules in (False, True))
     ablation, others = ablation[_differs(ablation)], rules[rules["against"] == "neat_wo"]
-    said = []
-    if len(ablation):
+    if others.empty:
+        return "No run of NEAT (w/o) is there to tell."
+    moving = others[~others["near_control"].eq(True)]
+    above, below = moving[moving["low"] > 0], moving[moving["high"] < 0]
+    said = [
+        f"{'In part' if len(above) else 'Not shown'}. NEAT without weight mutation (NEAT (w/o)) "
+        "cannot learn within an episode."
+    ]
+    if len(moving):
         said.append(
-            "NEAT without weight mutation (NEAT (w/o)), which does not learn either, differs from "
-            f"NEAT too: {_compared(ablation, named=False)}."
+            f"Of {len(moving)} comparisons with it, uncorrected, a rule is distinguishably above "
+            f"in {_counted(above)} and below in {_counted(below)}."
         )
-    if len(others):
-        moving = others[~others["near_control"].eq(True)]
-        learned = moving[_differs(moving)]
-        if len(moving):
-            said.append(
-                f"From NEAT (w/o) the rules differ in {len(learned) or 'none'} of {len(moving)} "
-                f"comparisons, uncorrected{f': {_compared(learned)}' if len(learned) else ''}."
-            )
-        if still := len(others) - len(moving):
-            said.append(
-                f"In {still} {'other comparisons' if len(moving) else 'comparisons'} the rule "
-                f"hardly moves a weight ({NEAR_CONTROL_MARK}), so they cannot show learning."
-            )
-    return " ".join(said) or "No run of NEAT (w/o) is there to tell."
+    if still := len(others) - len(moving):
+        said.append(
+            f"In {still} {'other comparisons' if len(moving) else 'comparisons'} the rule "
+            f"hardly moves a weight ({NEAR_CONTROL_MARK}), so they cannot show learning."
+        )
+    if len(ablation):
+        said.append(f"NEAT (w/o) itself differs from NEAT: {_compared(ablation, named=False)}.")
+    return " ".join(said)
 
 
 def in_crowded_cells(crowded: str, without_weights: Sequence[str]) -> str:
     """Say in which cells the number of species may explain the outcome, and what a check found."""
     checked = (
-        f" Where weights do not count in the distance, {listed(without_weights)}."
+        f" If weights do not count in the distance, {listed(without_weights)}."
         if without_weights
         else ""
     )
     return (
         "Weights that a rule has changed are inherited and count in the distance between genomes, "
-        "so high learning rates make many species. In some cells the places that every species "
-        f"keeps fill the population in most generations, which nearly stops selection: {crowded}. "
-        f"Low values there need not come from learning itself.{checked}"
+        "so high learning rates make many species, each of which keeps a few places in the next "
+        "generation. Where these places fill the population in most generations, selection nearly "
+        f"stops: {crowded}. Low values there need not come from learning itself.{checked}"
     )
 
 
@@ -161,7 +170,8 @@ def in_fresh_episodes(selection: pd.DataFrame) -> str:
         return "No champion was played in fresh episodes."
     return (
         "Final best fitness is a maximum over noisy episodes. In fresh episodes, champions return "
-        f"{listed(gaps)}."
+        f"{listed(gaps)}. Each range is over the methods and population sizes, with the mean over "
+        "learning rates and seeds."
     )
 
 
@@ -182,6 +192,22 @@ def _compared(rows: pd.DataFrame, *, named: bool = True) -> str:
         entries = [_entry(row, named=named) for row in some.to_dict("records")]
         said.append(f"{outcome} on {task_label(str(task))} ({', '.join(entries)})")
     return "; ".join(said)
+
+
+def _counted(rows: pd.DataFrame) -> str:
+    """Count comparisons, and name them by outcome and task: 2: SCORE (Hopper: BCM, Oja)."""
+    said = [
+        f"{outcome} ({'; '.join(_methods_by_task(some))})"
+        for outcome, some in rows.groupby("outcome", sort=False)
+    ]
+    return f"{len(rows)}: {listed(said)}" if said else "none"
+
+
+def _methods_by_task(rows: pd.DataFrame) -> list[str]:
+    return [
+        f"{task_label(str(task))}: {', '.join(map(method_label, some['method']))}"
+        for task, some in rows.groupby("task", sort=False)
+    ]
 
 
 def _entry(row: Mapping[Any, Any], *, named: bool) -> str:

@@ -40,7 +40,7 @@ from neol.study.report.common import (
     verified_table,
 )
 from neol.study.report.embedding import short_gif, small_png
-from neol.study.report.in_short import TERMS, in_short
+from neol.study.report.in_short import in_short, terms
 from neol.study.report.levels import levels_reached
 from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
 from neol.study.report.results import answered
@@ -95,7 +95,7 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         do_they_hold=do_they_hold(ledger),
         main_claims=by_task(ledger),
         about_main_claims=ABOUT,
-        terms=" ".join(TERMS),
+        terms=terms(ledger, effects),
         in_short=in_short(campaign, species_by_cell(campaign), ledger, effects, selection),
         levels=levels_reached(selection),
         questions=questions,

@@ -38,7 +38,7 @@ from neol.study.output.captions import (
 from neol.study.report import words
 from neol.study.report.common import command_line, render, verified, verified_frame, verified_table
 from neol.study.report.further_runs import OPEN, costs_by_task
-from neol.study.report.in_short import TERMS, in_short
+from neol.study.report.in_short import in_short, terms
 from neol.study.report.levels import levels_reached
 from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
 from neol.study.report.speciation import crowded_cells, species_by_cell, species_by_task
@@ -95,7 +95,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         against_ablation=words.effects_table(effects, "neat_wo"),
         after_correction=words.after_correction(effects),
         why_they_differ=WHY_THEY_DIFFER,
-        terms=" ".join(TERMS),
+        terms=terms(ledger, effects),
         tables={name: table.markdown() for name, table in tables.items()},
         notes={name: table.notes for name, table in tables.items()},
         table_caption=tables["table1"].caption,
@@ -115,7 +115,7 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         trials=describe_trials(configuration),
         species=species_by_task(species),
         crowded=crowded_cells(species),
-        kept=configuration.neat.min_species_size,
+        kept=configuration.neat.places_kept,
         sensitivity=words.sensitive_constants(verified_frame(figures / "beyond_sensitivity.csv")),
     )
 

@@ -5,7 +5,7 @@ product.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -111,28 +111,33 @@ def at_each_beta(configuration: Configuration, results: Path = RESULTS) -> str:
             found[beta] = [lead.found for lead in leads]
     if len(found) < 2:
         return ""
-    above = [
-        f"{method_label(rule)} at {beta:g}"
-        for beta, leads in found.items()
-        for rule, lead in zip(RULES, leads, strict=True)
-        if lead.interval()[0] > 0
+    by_rule = zip(RULES, zip(*found.values(), strict=True), _papers_leads(), strict=True)
+    said = [
+        f"{method_label(rule)} {listed(map(_value, leads))} (the paper: {_value(papers)})"
+        for rule, leads, papers in by_rule
     ]
-    said = "; by ".join(f"{_values(leads)} at beta = {beta:g}" for beta, leads in found.items())
-    verdict = (
-        f"Distinguishably above: {listed(above)}"
-        if above
-        else "No rule here is clearly above NEAT (w/o)"
-    )
+    above = _where(found, lambda lead: lead.interval()[0] > 0)
+    below = _where(found, lambda lead: lead.interval()[1] < 0)
     return (
         "The paper does not give beta, the scale of the reward; a smaller one acts like lower "
-        f"learning rates. In final fitness on Lunar Lander {listed(map(method_label, RULES))} "
-        f"differ from NEAT (w/o) by {said}; in the paper by {_values(_papers_leads())}. "
-        f"{verdict}."
+        "learning rates. Final fitness on Lunar Lander minus that of NEAT (w/o) is, at beta = "
+        f"{listed(f'{beta:g}' for beta in found)}: {'; '.join(said)}. Distinguishably above NEAT "
+        f"(w/o): {above}. Below: {below}."
     )
 
 
-def _values(leads: Sequence[Difference]) -> str:
-    return listed(three_figures(lead.value) for lead in leads)
+def _where(found: Mapping[float, Sequence[Difference]], holds: Callable[[Difference], bool]) -> str:
+    """Name the rules, each with the betas at which something holds of its lead."""
+    said = []
+    for place, rule in enumerate(RULES):
+        betas = [f"{beta:g}" for beta, leads in found.items() if holds(leads[place])]
+        if betas:
+            said.append(f"{method_label(rule)} at {listed(betas)}")
+    return "; ".join(said) or "none"
+
+
+def _value(lead: Difference) -> str:
+    return three_figures(lead.value)
 
 
 def _papers_leads() -> list[Difference]:

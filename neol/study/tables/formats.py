@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import ascii_lowercase
 
 from neol.pictures.labels import task_label, three_figures
-from neol.spec.constants import Budget
+from neol.spec.configuration import Configuration
+from neol.study.outcomes.chosen_cells import candidates
 from neol.study.outcomes.movement import NEAR_CONTROL_MARK
 from neol.study.outcomes.statistics import ALPHA
 from neol.study.tables.summary import OwnSummary, Summary
@@ -31,21 +32,32 @@ def marked(entry: Entry, mark: str | None, *, near_control: bool = False) -> Ent
 
 
 def lines_of(
-    budget: Budget, task: str, ours: Sequence[Entry], beneath: Mapping[str, Sequence[Entry]]
+    configuration: Configuration,
+    setting: str,
+    task: str,
+    ours: Sequence[Entry],
+    beneath: Mapping[str, Sequence[Entry]],
 ) -> list[Line]:
-    """Return a task's line, and the labelled lines beneath it."""
+    """Return a task's line, and the labelled lines beneath it, in a table of this setting."""
+    label = task_label(task) + _size(configuration, setting, task)
     return [
-        Line(task_label(task) + _size(budget, task), tuple(ours), is_beneath=False),
+        Line(label, tuple(ours), is_beneath=False),
         *(Line(label, tuple(entries), is_beneath=True) for label, entries in beneath.items()),
     ]
 
 
-def _size(budget: Budget, task: str) -> str:
-    """Return a task's generations, populations and seeds, as far as the budget's tasks differ."""
+def _size(configuration: Configuration, setting: str, task: str) -> str:
+    """Return a task's generations, populations and seeds, as far as the budget's tasks differ.
+
+    The populations are those of the cells that the setting chooses among.
+    """
+    budget, populations = configuration.budget, dict[str, set[int]]()
+    for (each, _), among in candidates(configuration, setting).items():
+        populations.setdefault(each, set()).update(cell.population for cell in among)
     sizes = {
         each: (
             f"G = {budget.generations_of(each)}",
-            f"P = {', '.join(map(str, budget.populations_of(each)))}",
+            f"P = {', '.join(map(str, sorted(populations[each])))}",
             f"{len(budget.seeds_of(each))} seeds",
         )
         for each in budget.tasks

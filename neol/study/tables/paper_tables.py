@@ -7,7 +7,7 @@ from dataclasses import asdict
 import numpy as np
 import pandas as pd
 
-from neol.network.rules import WITHOUT_RULE
+from neol.network.rules import BASELINES
 from neol.pictures.labels import method_label, task_label
 from neol.study.campaign.grid import Cell
 from neol.study.campaign.methods import challengers
@@ -33,8 +33,9 @@ CHOSEN_OF_FOUR = 0.075
 Each cell has 30 seeds; the two-sided rank-sum test at `ALPHA` finds 2.5% without the choice.
 """
 _RANKED = (
-    "the paper's value is beneath each. Bold marks a row's highest mean, underline the runner-up; "
-    "equal means are marked alike, and a shared first place leaves no runner-up."
+    "the paper's value is beneath each. Bold marks a row's highest mean, underline (italics on web "
+    "pages) the runner-up; equal means are marked alike, and a shared first place leaves no "
+    "runner-up."
 )
 _ABLATION = " NEAT (w/o) is NEAT without weight mutation."
 _CHOICE = (
@@ -147,7 +148,8 @@ def _p_values(number: int, outcome: str, campaign: Campaign, setting: str) -> Ta
             for p, why, little in zip(row["p"], row["incomplete"], row["near_control"], strict=True)
         ]
         papers = [formats.p_value(p, 3 if number == 5 else 2) for p in row["paper_p"]]
-        lines += formats.lines_of(budget, task, ours, {"paper": papers})
+        beneath = {"paper": papers}
+        lines += formats.lines_of(campaign.configuration, setting, task, ours, beneath)
     columns = tuple(f"{method_label(rule)} vs NEAT" for rule in rules)
     return _table(number, title, columns, lines, marks, frame, campaign, setting, (*rules, "neat"))
 
@@ -230,7 +232,7 @@ def _means(
         beneath = {"paper": [entry(each.paper) for each in row]}
         if fresh:
             beneath["in fresh episodes"] = [formats.held_out(each.here) for each in row]
-        lines += formats.lines_of(campaign.configuration.budget, task, ours, beneath)
+        lines += formats.lines_of(campaign.configuration, setting, task, ours, beneath)
     frame = pd.DataFrame([_flat(each) for each in comparisons])
     frame = frame.astype({"population": "Int64", "paper_population": "Int64"})
     columns = tuple(method_label(method) for method in methods)
@@ -277,7 +279,7 @@ def _flattered(shown: Mapping[tuple[str, str], Sequence[Cell]]) -> list[str]:
     """Note that a rule was chosen among more cells than NEAT, by the runs that are tested."""
     rules, neat = (
         max((len(among) for (_, method), among in shown.items() if method in some), default=0)
-        for some in ({method for _, method in shown} - set(WITHOUT_RULE), WITHOUT_RULE)
+        for some in ({method for _, method in shown} - set(BASELINES), BASELINES)
     )
     if rules <= neat:
         return []

@@ -88,7 +88,7 @@ def test_runs_that_another_budget_does_not_have(change):
 
 def test_one_task_may_have_its_grid_and_another_the_papers_configurations():
     assert Counter(cell.task for cell in cells(load_configuration("evidence"))) == {
-        "cartpole": 5,
+        "cartpole": 56,
         "lunar_lander": 14,
         "hopper": 5,
         "bipedal_walker": 5,
@@ -98,7 +98,7 @@ def test_one_task_may_have_its_grid_and_another_the_papers_configurations():
 def test_a_population_that_a_budget_of_tables_lacks_becomes_its_largest():
     evidence = load_configuration("evidence")
     there = cells(evidence)
-    assert len(there) == 5 + 14 + 5 + 5
+    assert len(there) == 56 + 14 + 5 + 5
     assert {cell.population for cell in there if cell.task == "hopper"} == {100}
     for table in (3, 4):
         assert len(paper_cells(evidence, table)) == 16

@@ -88,7 +88,6 @@ def agree(ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
     [
         (DEFAULT_READING, DEFAULT_BUDGET, ""),
         (DEFAULT_READING, "demo", ""),
-        ("first", "paper", "cartpole"),
     ],
 )
 def test_shipped_records_give_the_same_verdicts(reading: str, budget: str, tasks: str) -> None:

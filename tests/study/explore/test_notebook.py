@@ -37,8 +37,8 @@ task.value = "cartpole"
 curves.controls["column"].value = "species"
 assert curves.picture.axes[0].get_ylabel() == "Species"
 assert answer.picture.axes[0].get_title() == "CartPole, budget rare_mutation/demo"
-answer.controls["budget"].value = "first/paper"
-assert answer.picture.axes[0].get_title() == "CartPole, budget first/paper"
+answer.controls["budget"].value = "rare_mutation/paper"
+assert answer.picture.axes[0].get_title() == "CartPole, budget rare_mutation/paper"
 
 changed = {"task": "cartpole", "method": "bcm", "population": 10, "generations": 5}
 for name, value in changed.items():

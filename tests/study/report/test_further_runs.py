@@ -52,7 +52,7 @@ def test_a_question_on_several_tasks_waits_for_each():
 def test_runs_of_the_papers_budget_are_counted_and_others_are_not():
     found = rows(CAMPAIGN, ledger())
     here = {task: row["runs here, of the paper's"] for task, row in found.items()}
-    assert here["CartPole"] == "150 of 1,680"
+    assert here["CartPole"] == "1,680 of 1,680"
     assert here["Hopper"] == "0 of 1,680"
     unrun = Campaign(load_configuration("evidence"), ROOT / "nothing", partial=True)
     assert rows(unrun, ledger())["CartPole"]["runs here, of the paper's"] == "0 of 1,680"

@@ -20,8 +20,9 @@ def effects(*rows: dict[str, Any]) -> pd.DataFrame:
 
 HIGHER = {"low": 0.5, "p_holm": 0.01}
 NOT_CORRECTED = (
-    "They are not corrected for earlier looks at fewer seeds, nor SCORE's for the choice of the "
-    "best learning rate."
+    "They are not corrected for earlier looks at fewer seeds. For SCORE the same seeds choose a "
+    "rule's learning rate and test it, which favours the rule; the paper's questions use separate "
+    "seeds."
 )
 
 
@@ -36,9 +37,9 @@ def test_questions_are_counted_by_verdict_and_answers_named() -> None:
     ]  # fmt: skip
     ledger = pd.DataFrame(rows, columns=["question", "part", "verdict", "near_control"])
     assert in_short.questions_answered(ledger) == (
-        "The paper's claims raise 5 questions; these runs ask 4 and answer 3. The answers "
-        f"beside the main claims follow. Reproduced: {a.ask} Yes†. Not reproduced: {c.ask} No. "
-        "Not answered: 1 too short."
+        "The paper's claims raise 5 questions, those of the main claims among them; these runs "
+        "ask 4 and answer 3. The answers beside the main claims follow. "
+        f"Reproduced: {a.ask} Yes†. Not reproduced: {c.ask} No. Not answered: 1 too short."
     )
 
 
@@ -61,11 +62,16 @@ def test_what_the_ablation_shares_is_no_learning() -> None:
         {"against": "neat_wo", "method": "oja", "low": 0.1, "near_control": True},
     )
     assert in_short.is_it_learning(table) == (
-        "NEAT without weight mutation (NEAT (w/o)), which does not learn either, differs from NEAT "
-        "too: SCORE on Hopper (higher). From NEAT (w/o) the rules differ in 1 of 1 comparisons, "
-        "uncorrected: final fitness on Hopper (BCM lower). In 1 other comparisons the rule "
-        "hardly moves a weight (†), so they cannot show learning."
+        "Not shown. NEAT without weight mutation (NEAT (w/o)) cannot learn within an episode. Of 1 "
+        "comparisons with it, uncorrected, a rule is distinguishably above in none and below in 1: "
+        "final fitness (Hopper: BCM). In 1 other comparisons the rule hardly moves a weight (†), "
+        "so they cannot show learning. NEAT (w/o) itself differs from NEAT: SCORE on Hopper "
+        "(higher)."
     )
+    above = [{"against": "neat_wo", "low": 0.1, "method": rule} for rule in ("bcm", "oja")]
+    said = in_short.is_it_learning(effects(*above, above[0] | {"outcome": SCORE}))
+    assert said.startswith("In part. ")
+    assert "above in 3: final fitness (Hopper: BCM, Oja) and SCORE (Hopper: BCM) and below" in said
     assert in_short.is_it_learning(table[:0]) == "No run of NEAT (w/o) is there to tell."
 
 
@@ -73,8 +79,14 @@ def test_fresh_episodes_show_the_selection_bias() -> None:
     rows = [("hopper", 195.2), ("hopper", 397.9), ("cartpole", float("nan"))]
     assert in_short.in_fresh_episodes(pd.DataFrame(rows, columns=["task", "mean"])) == (
         "Final best fitness is a maximum over noisy episodes. In fresh episodes, champions return "
-        "195 to 398 less on Hopper."
+        "195 to 398 less on Hopper. Each range is over the methods and population sizes, with the "
+        "mean over learning rates and seeds."
     )
+
+
+def test_the_mark_is_explained_where_a_rule_has_it() -> None:
+    assert in_short.terms(effects({})) == " ".join(in_short.TERMS)
+    assert in_short.terms(effects({}, {"near_control": True})).endswith(in_short.MARK)
 
 
 def test_a_point_has_its_lead_in_bold() -> None:

@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 
 from neol.study.claims.questions import main_questions
+from neol.study.claims.verdicts import OPPOSITE
 from neol.study.report.main_claims import by_task, do_they_hold
 
 
-def ledger(**verdicts: str) -> pd.DataFrame:
+def ledger(reason: str = "why", **verdicts: str) -> pd.DataFrame:
     """Verdicts on the main claims' questions by id (with _ for -); others are not asked."""
     rows: list[dict[str, Any]] = []
     for question in main_questions():
@@ -22,13 +23,15 @@ def ledger(**verdicts: str) -> pd.DataFrame:
             {
                 "question": question.id,
                 "part": "all",
+                "tasks": question.tasks[0],
                 "verdict": verdict,
                 **numbers,
-                "reason": "why",
+                "reason": reason,
             },
             {
                 "question": question.id,
                 "part": "hopper: bcm",
+                "tasks": question.tasks[0],
                 "verdict": verdict,
                 **numbers,
                 "reason": "",
@@ -42,7 +45,7 @@ def ledger(**verdicts: str) -> pd.DataFrame:
     [
         ([], "Not decided by these runs.", "These runs ask none of them and decide none."),
         (["inconclusive"], "Not decided by these runs.",
-         "These runs ask 1 of them and decide none."),
+         "These runs ask 1 of them, all on Lunar Lander, and decide none."),
         (["too short", "not reproduced", "equivalent to zero"], "No, where these runs decide.",
          "These runs ask 3 of them and decide 2: none for the paper and 2 against it."),
         (["reproduced", "same direction"], "Yes, where these runs decide.",
@@ -70,8 +73,17 @@ def test_the_table_has_an_answer_for_each_claim_baseline_and_task() -> None:
     assert len(answers) == 6
     assert answers["end higher", "NEAT"] == [
         "--",
-        "No (why): 1.00 [0.500, 1.50]; the paper's 12.0",
+        "Not as much (why): 1.00 [0.500, 1.50] (BCM 1.00); the paper's 12.0",
         "--",
     ]
     spread = answers["vary less over seeds (ratio of SDs)", "NEAT (w/o)"][0]
-    assert spread == "Open (why): 2.72 [1.65, 4.48]; the paper's 162755"
+    assert spread == "Open (why): 2.72 [1.65, 4.48] (BCM 2.72); the paper's 162755"
+
+
+def test_the_other_direction_is_told_from_too_little() -> None:
+    made_up = ledger(OPPOSITE, final_neat_hopper="not reproduced")
+    point = do_they_hold(made_up)
+    assert "ask 1 of them, all on Hopper, and decide 1: none for the paper and 1 " in point.text
+    assert point.text.endswith("against it, 1 of these in the other direction.")
+    (row,) = (row for row in by_task(made_up) if row[:2] == ["end higher", "NEAT"])
+    assert row[3].startswith("No (the other direction): ")

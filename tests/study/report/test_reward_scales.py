@@ -109,6 +109,6 @@ def test_in_short_each_beta_that_has_all_its_runs_is_named(tmp_path: Path) -> No
     reading = f"{READING}+plasticity.reward_scale=0.1"
     write(tmp_path, reading, {lander("hebb", 0.00025): [310, 312]})
     said = at_each_beta(papers, tmp_path)
-    assert "by -100, -10.0 and 1.00 at beta = 1; by -100, 10.0 and 1.00 at beta = 0.1; in" in said
-    assert said.endswith("Distinguishably above: Hebb at 0.1.")
+    assert "is, at beta = 1 and 0.1: BCM -100 and -100 (the paper: 11.8); Hebb -10.0 and 10" in said
+    assert said.endswith("above NEAT (w/o): Hebb at 0.1. Below: BCM at 1 and 0.1; Hebb at 1.")
     assert at_each_beta(load_configuration("demo", reading=READING), tmp_path) == ""

@@ -36,9 +36,9 @@ def test_pictures_have_a_minus_and_a_dash() -> None:
 
 
 def test_a_line_says_the_size_of_its_runs_where_tasks_differ() -> None:
-    def labels(*overrides: str) -> list[str]:
-        budget = load_configuration("smoke", ["budget.tasks=[cartpole, hopper]", *overrides]).budget
-        return [lines_of(budget, task, [], {})[0].label for task in budget.tasks]
+    def labels(*overrides: str, setting: str = "table3") -> list[str]:
+        here = load_configuration("smoke", ["budget.tasks=[cartpole, hopper]", *overrides])
+        return [lines_of(here, setting, task, [], {})[0].label for task in here.budget.tasks]
 
     assert labels() == ["CartPole", "Hopper"]
     longer = "budget.generations={cartpole: 5, hopper: 2}"
@@ -47,3 +47,7 @@ def test_a_line_says_the_size_of_its_runs_where_tasks_differ() -> None:
     assert labels(longer, more) == ["CartPole (G = 5, 4 seeds)", "Hopper (G = 2, 3 seeds)"]
     fewer = "budget.populations={cartpole: [6, 12], hopper: [6]}"
     assert labels(fewer) == ["CartPole (P = 6, 12)", "Hopper (P = 6)"]
+    assert labels(fewer, setting="score") == ["CartPole (P = 12)", "Hopper (P = 6)"]
+    papers = "budget.populations={cartpole: [50, 300], hopper: [300]}"
+    papers_rate = "budget.learning_rates=[2.5e-4]"
+    assert labels(papers, papers_rate) == ["CartPole (P = 50)", "Hopper (P = 300)"]

@@ -200,9 +200,11 @@ def test_tasks_of_different_size_are_told_apart() -> None:
 def test_a_part_of_the_papers_budget_says_which() -> None:
     landing = describe_budget(select("evidence", "lunar_lander", "worked_example"))
     assert "A part of the paper's budget: P = 300. Rea" in landing
-    balancing = describe_budget(select("evidence", "cartpole"))
+    changes = ["budget.tasks=[cartpole]", "budget.populations=[50]", "budget.configurations=tables"]
+    balancing = describe_budget(load_configuration("evidence", changes))
     assert "budget: P = 50, the configurations of Tables 3 and 4. Rea" in balancing
     assert "Reduced" not in landing + balancing
+    assert "budget:" not in describe_budget(select("evidence", "cartpole"))
 
 
 class TestOtherTables:
