@@ -138,7 +138,7 @@ def _write_cells(
         beneath = f"{there}/{seeds}" if 0 < there < seeds else ""
         error = float(grid["standard_error"][row, column])
         if there == seeds and math.isfinite(error):
-            beneath = f"±{_two_figures(error)}"
+            beneath = f"±{drawn(_two_figures(error))}"
         size = min(6.5, 36.0 / len(text))  # cells of four populations are narrow
         written = [
             axis.text(column + 0.5, row + (0.64 if beneath else 0.5), text, ha="center",
@@ -160,12 +160,11 @@ def _write_cells(
 
 
 def _two_figures(error: float) -> str:
-    """Write an error with two figures and without an exponent: 0.000072, 1.7, 340."""
-    return (
-        f"{error:.0f}"
-        if error >= 100
-        else np.format_float_positional(float(f"{error:.2g}"), trim="-")
-    )
+    """Write an error with two figures: 7.2e-5, 0.012, 1.7, 340."""
+    if 0 < error < 0.001:
+        mantissa, exponent = f"{error:.1e}".split("e")
+        return f"{mantissa}e{int(exponent)}"
+    return f"{error:.2g}" if error < 100 else f"{error:.0f}"
 
 
 def _frame(row: int, column: int, inset: float, *, linewidth: float = 0, **style: Any) -> Rectangle:

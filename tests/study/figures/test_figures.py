@@ -264,9 +264,9 @@ def test_a_method_without_learning_rate_stands_between_the_rates() -> None:
     assert neat.get_ylim() == (-0.5, 1.5)  # its row is from 0 to 1
 
 
-def test_standard_errors_have_two_figures_and_no_exponent() -> None:
+def test_small_standard_errors_have_a_short_exponent() -> None:
     table = runs().assign(value=lambda rows: rows["seed"] * 7.1e-5)
-    assert texts(draw_heatmaps(table), 0)[1::2] == ["±0.000041"] * 4
+    assert texts(draw_heatmaps(table), 0)[1::2] == ["±4.1e−5"] * 4
 
 
 def test_the_single_highest_cell_is_framed_and_thinly_those_near_it() -> None:
