@@ -38,13 +38,19 @@ def axis_label(column: str) -> str:
     return f"{name} ({unit})" if unit and unit != column else name
 
 
-def run_settings(runs: pd.DataFrame) -> dict[str, tuple[str, int, float]]:
-    """Return each budget, population and learning rate that has runs, by its label in a list."""
+def run_settings(runs: pd.DataFrame, first: str) -> dict[str, tuple[str, int, float]]:
+    """Return each budget, population and learning rate that has runs, by its label in a list.
+
+    Those of the budget `first` are at its head.
+    """
     columns = ["budget", "population", "learning_rate"]
     rows = runs[~runs["sensitivity"]].dropna(subset=columns)[columns].drop_duplicates()
+    settings = sorted(
+        rows.itertuples(index=False, name=None), key=lambda row: (row[0] != first, row)
+    )
     return {
         f"{budget}: P = {population}, eta = {learning_rate:g}": (budget, population, learning_rate)
-        for budget, population, learning_rate in rows.sort_values(columns).itertuples(index=False)
+        for budget, population, learning_rate in settings
     }
 
 
