@@ -16,8 +16,8 @@ from neol.run.record_file import read_record
 from neol.spec.configuration import ROOT, load_configuration
 from neol.study.campaign.cost import Get, neat_seconds, recorded_lengths, run_seconds, shipped
 from neol.study.campaign.jobs import SENSITIVITY, Job, jobs
+from neol.study.campaign.reference import settings
 from neol.study.campaign.shown import DEFAULT_BUDGET, select
-from neol.study.outcomes.paper_numbers import settings
 
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
 CORES = (1, 8, 64, 512)

@@ -11,7 +11,7 @@ from neol.spec.configuration import Configuration, load_configuration
 from neol.spec.constants import Budget
 from neol.spec.run_spec import RunSpec
 from neol.study.campaign.methods import without_mutation
-from neol.study.campaign.reference import printed_rows
+from neol.study.campaign.reference import settings
 
 RESULTS = Path("results")
 
@@ -135,20 +135,15 @@ def _configurations(budget: Budget, table: int) -> list[Cell]:
     Where a task has these cells alone, a population that it does not have becomes its largest.
     """
 
-    def population(row: dict[str, str]) -> int:
-        named, available = int(row["population"]), budget.populations_of(row["task"])
-        is_kept = budget.configurations_of(row["task"]) == "grid" or named in available
-        return named if is_kept else max(available)
+    def available(task: str, population: int) -> int:
+        there = budget.populations_of(task)
+        is_kept = budget.configurations_of(task) == "grid" or population in there
+        return population if is_kept else max(there)
 
     return [
-        Cell(
-            row["task"],
-            row["method"],
-            population(row),
-            float(row["learning_rate"]) if row["learning_rate"] else None,
-        )
-        for row in printed_rows("configurations", table)
-        if row["task"] in budget.tasks
+        Cell(task, method, available(task, population), learning_rate)
+        for (task, method), (population, learning_rate) in settings(table).items()
+        if task in budget.tasks
     ]
 
 

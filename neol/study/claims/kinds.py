@@ -9,6 +9,7 @@ from scipy import stats
 
 from neol.study.campaign.grid import Cell
 from neol.study.campaign.methods import mutated
+from neol.study.campaign.reference import settings
 from neol.study.claims.effect import Effect, Summary, combined, difference
 from neol.study.claims.evidence import Answered, Evidence, averaged, measured, minus
 from neol.study.claims.parts import between_rates, ranked, share_state
@@ -27,7 +28,6 @@ from neol.study.claims.questions import (
 )
 from neol.study.claims.sides import Choice, Runs, choose, printed
 from neol.study.outcomes.outcomes import METRICS, Metric
-from neol.study.outcomes.paper_numbers import settings
 from neol.study.outcomes.statistics import Floats
 
 

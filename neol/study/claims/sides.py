@@ -8,10 +8,11 @@ import numpy as np
 
 from neol.spec.configuration import load_configuration
 from neol.study.campaign.grid import Cell
+from neol.study.campaign.reference import settings
 from neol.study.claims.effect import Statistic, Summary
 from neol.study.claims.questions import Side
 from neol.study.outcomes.outcomes import Metric, Outcomes
-from neol.study.outcomes.paper_numbers import PAPER_SEEDS, PRINTED_IN, settings, values
+from neol.study.outcomes.paper_numbers import PAPER_SEEDS, PRINTED_IN, values
 from neol.study.outcomes.statistics import Floats
 
 _PRINTED = {"final_best": ("table3", "table4"), "score": ("largest",)}

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from functools import cache
 
-from neol.study.campaign.reference import printed_rows
+from neol.study.campaign.reference import optional, printed_rows
 from neol.study.outcomes.contrasts import Moments
 from neol.study.outcomes.statistics import paper_statistic
 
@@ -72,7 +72,7 @@ CONTRADICTIONS = {
 def values(table: int) -> dict[tuple[str, str], tuple[float, float | None]]:
     """Return value and deviation by task and column of Tables 1, 2, 5-8; a p-value has none."""
     return {
-        (row["task"], row["column"]): (float(row["value"]), _optional(row["sd"]))
+        (row["task"], row["column"]): (float(row["value"]), optional(row["sd"]))
         for row in printed_rows("tables", table)
     }
 
@@ -95,16 +95,3 @@ def paper_a12(table: int, task: str, method: str) -> float:
     p, _ = values(table).get((task, f"{method}_vs_neat"), (math.nan, None))
     u = paper_statistic(p, digits=4 if table == 5 else 3, seeds=PAPER_SEEDS)
     return math.nan if u is None else u / PAPER_SEEDS**2
-
-
-@cache
-def settings(table: int) -> dict[tuple[str, str], tuple[int, float | None]]:
-    """Return population and learning rate by task and method, from Table 3 or 4."""
-    return {
-        (row["task"], row["method"]): (int(row["population"]), _optional(row["learning_rate"]))
-        for row in printed_rows("configurations", table)
-    }
-
-
-def _optional(number: str) -> float | None:
-    return float(number) if number else None

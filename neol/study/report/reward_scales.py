@@ -15,10 +15,11 @@ from neol.pictures.labels import listed, method_label, three_figures
 from neol.spec.configuration import PAPER_BUDGET, Configuration, load_configuration
 from neol.spec.readings import with_changes
 from neol.study.campaign.grid import RESULTS, Cell, cells
+from neol.study.campaign.reference import settings
 from neol.study.claims.questions import RULES
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.contrasts import Difference, Moments, difference
-from neol.study.outcomes.paper_numbers import moments, settings
+from neol.study.outcomes.paper_numbers import moments
 
 BETAS = (1.0, 0.1, 0.01)
 LANDER = "lunar_lander"

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from neol.study.campaign.grid import Cell, paper_cells
+from neol.study.campaign.reference import settings
 from neol.study.outcomes import paper_numbers
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.chosen_cells import SETTINGS, candidates, choose
@@ -147,7 +148,7 @@ def ranks(means: Sequence[float]) -> list[Emphasis]:
 def _paper_summary(task: str, method: str, setting: str, table: int) -> Summary:
     """Return what the paper prints of a method; an empty summary for a task that it lacks."""
     mean, sd = paper_numbers.values(table).get((task, method), (math.nan, None))
-    settings = SETTINGS[setting].paper_table
-    printed = {} if settings is None else paper_numbers.settings(settings)
+    configurations = SETTINGS[setting].paper_table
+    printed = {} if configurations is None else settings(configurations)
     population, learning_rate = printed.get((task, method), (None, None))
     return Summary(population, learning_rate, mean, math.nan if sd is None else sd)
