@@ -157,6 +157,11 @@ TABLE_CODE = RESULT_CODE + python("study/output", "study/tables", "study/claims"
 FIGURE_CODE = sorted({*TABLE_CODE, *python("pictures", "study/figures")})
 
 
+def paper_records(reading):
+    """Return the records at the paper's budget of a reading and of its variants, such as other betas."""
+    return sorted(glob(f"results/{reading}*/{PAPER_BUDGET}/*/*/*/*.parquet"))
+
+
 def files(exhibit):
     """Return the files of a table or figure."""
     return [f"{FIGURES}/{exhibit.name}.{suffix}" for suffix in exhibit.group.suffixes]

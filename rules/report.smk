@@ -19,11 +19,6 @@ WORDS = sorted(glob("neol/study/report/*.*")) + [
 ]
 
 
-def paper_records(reading):
-    """Return the records at the paper's budget of a reading and of its variants, such as other betas."""
-    return sorted(glob(f"results/{reading}*/{PAPER_BUDGET}/*/*/*/*.parquet"))
-
-
 rule report:
     input:
         REPORT,
