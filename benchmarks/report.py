@@ -15,9 +15,8 @@ from benchmarks.page import page
 from benchmarks.plot import plot
 from benchmarks.scaling import BEGIN, END, scaling
 from benchmarks.table import Table
-from neol.base.files import write_atomically
+from neol.base.files import replace_between, write_atomically
 from neol.run.provenance import provenance
-from neol.study.report.common import replace_between
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -56,7 +55,8 @@ def render(folder: Path) -> None:
     text = folder / "scaling.md"
     if text.exists():
         old = text.read_text(encoding="utf-8")
-        write_atomically(text, replace_between(old, BEGIN, END, scaling(table, about)).encode())
+        generated = f"\n{scaling(table, about)}\n"
+        write_atomically(text, replace_between(old, BEGIN, END, generated).encode())
 
 
 if __name__ == "__main__":

@@ -48,6 +48,14 @@ def write_atomically(path: Path, content: bytes, *, scratch: Path | None = None)
         ) from None
 
 
+def replace_between(text: str, begin: str, end: str, new: str) -> str:
+    """Replace everything between two markers of a page that is generated in part."""
+    before, _, rest = text.partition(begin)
+    _, marker, after = rest.partition(end)
+    assert marker, f"no {begin} ... {end}"
+    return f"{before}{begin}{new}{end}{after}"
+
+
 def open_regular(path: Path) -> BufferedReader:
     """Open a regular file for reading.
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from neol.base.files import read_bounded, write_atomically
+from neol.base.files import read_bounded, replace_between, write_atomically
 from neol.spec.configuration import ROOT, load_configuration
 from neol.study.campaign.grid import Cell, cells
 from neol.study.claims.answers import Answer, answers
@@ -143,9 +143,7 @@ def section(studies: int) -> str:
 def write_section(studies: int, page: Path = PAGE) -> None:
     """Replace the generated part of the page."""
     text = read_bounded(page, 2**20).decode()
-    head, rest = text.split(BEGIN)
-    tail = rest.split(END)[1]
-    write_atomically(page, f"{head}{BEGIN}{section(studies)}{END}{tail}".encode())
+    write_atomically(page, replace_between(text, BEGIN, END, section(studies)).encode())
 
 
 def _truth(truth: str, cell: Cell, metric: str) -> tuple[float, float]:

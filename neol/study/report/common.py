@@ -45,14 +45,6 @@ def command_line(module: str, purpose: str | None, work: Callable[..., None], **
         work(Campaign(configuration, RESULTS), **arguments)
 
 
-def replace_between(text: str, begin: str, end: str, new: str) -> str:
-    """Replace everything between two markers of a text by new lines."""
-    before, _, rest = text.partition(begin)
-    _, marker, after = rest.partition(end)
-    assert marker, f"no {begin} ... {end}"
-    return f"{before}{begin}\n{new}\n{end}{after}"
-
-
 def read(path: Path) -> bytes:
     """Read a file that the workflow makes. Raises UserError if it is missing."""
     try:

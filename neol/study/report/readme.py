@@ -6,9 +6,8 @@
 import re
 import textwrap
 
-from neol.base.files import write_atomically
+from neol.base.files import replace_between, write_atomically
 from neol.spec.configuration import ROOT
-from neol.study.report.common import replace_between
 
 README, RESULTS_PAGE = ROOT / "README.md", ROOT / "docs" / "results.md"
 PARTS = ("answer", "Table 1", "in short")
@@ -32,7 +31,7 @@ def with_parts(readme: str, results: str) -> str:
     """Return README with its parts as the results page has them."""
     for name, part in parts(results).items():
         begin, end = (f"<!-- {name} of docs/results.md: {edge} -->" for edge in ("begin", "end"))
-        readme = replace_between(readme, begin, end, f"\n{part}\n")
+        readme = replace_between(readme, begin, end, f"\n\n{part}\n\n")
     return readme
 
 

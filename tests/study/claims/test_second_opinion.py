@@ -10,7 +10,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from neol.spec.configuration import ROOT
-from neol.spec.readings import DEFAULT_READING
 from neol.study.campaign.grid import RESULTS, blocks
 from neol.study.campaign.shown import DEFAULT_BUDGET, select, two_by_two
 from neol.study.claims.answers import answers
@@ -83,15 +82,9 @@ def agree(ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("reading", "budget", "tasks"),
-    [
-        (DEFAULT_READING, DEFAULT_BUDGET, ""),
-        (DEFAULT_READING, "demo", ""),
-    ],
-)
-def test_shipped_records_give_the_same_verdicts(reading: str, budget: str, tasks: str) -> None:
-    configuration = select(budget, tasks, reading)
+@pytest.mark.parametrize("budget", [DEFAULT_BUDGET, "demo"])
+def test_shipped_records_give_the_same_verdicts(budget: str) -> None:
+    configuration = select(budget)
     all_of = [configuration, *two_by_two(configuration)]
     ours = as_table(
         answers(load_questions(), gather(*(Campaign(each, RECORDS) for each in all_of)))
