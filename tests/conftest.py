@@ -8,10 +8,13 @@ import pytest
 # Under nohup it is ignored, and tests that send it would wait for ever.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
+LONGEST = {"workflow", "cluster", "test_how_to"}
+"""Folders and files that run whole workflows."""
+
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run whole workflows first: they take longest, while another process runs other tests."""
-    items.sort(key=lambda item: item.path.parent.name not in ("workflow", "cluster"))
+    """Run the longest files first, so that no process has one left when the other has finished."""
+    items.sort(key=lambda item: not LONGEST & {item.path.parent.name, item.path.stem})
 
 
 @pytest.fixture

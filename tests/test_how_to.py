@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -38,15 +37,6 @@ def shell(commands: str, folder: Path, package: Path = ROOT) -> str:
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
-
-
-def copy_repository(folder: Path) -> None:
-    """Copy what the command line and the workflow read."""
-    for part in ("neol", "config", "paper", "notebooks", "rules"):
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / part, folder / part, ignore=ignored)
-    for part in ("Snakefile", "environment.yml"):
-        shutil.copy(ROOT / part, folder)
 
 
 def apply(diff: str, folder: Path) -> None:
@@ -84,21 +74,21 @@ def test_a_rule_in_a_script(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_rule_in_the_repository(tmp_path: Path) -> None:
-    copy_repository(tmp_path)
+    clone = fresh_clone(tmp_path / "neol")
     (script,) = blocks("add-a-rule.md", "python")
     (function,) = re.findall(r"^@neol\.(rule\ndef .*?)^$", script, re.MULTILINE | re.DOTALL)
     digest = "python -c 'from neol.base.kernel_cache import source_digest; print(source_digest())'"
-    before = shell(digest, tmp_path, tmp_path)
-    with (tmp_path / "neol" / "network" / "rules.py").open("a") as file:
+    before = shell(digest, clone, clone)
+    with (clone / "neol" / "network" / "rules.py").open("a") as file:
         file.write(f"\n\n@{function}")
-    assert shell(digest, tmp_path, tmp_path) != before, "or a stale kernel could be found"
+    assert shell(digest, clone, clone) != before, "or a stale kernel could be found"
     asked = (
         "python -m neol run --help; python -m neol config --schema; "
         "python -m neol config --budget smoke --set 'budget.methods=[decaying_hebb]'; "
         "python -m neol.spec.configuration"
     )
-    assert shell(asked, tmp_path, tmp_path).count("decaying_hebb") > 4
-    assert "decaying_hebb" in (tmp_path / "config" / "schema.json").read_text()
+    assert shell(asked, clone, clone).count("decaying_hebb") > 4
+    assert "decaying_hebb" in (clone / "config" / "schema.json").read_text()
 
 
 @pytest.mark.slow
@@ -110,11 +100,11 @@ def test_a_task_on_the_command_line(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_task_in_a_budget(tmp_path: Path) -> None:
-    copy_repository(tmp_path)
+    clone = fresh_clone(tmp_path / "neol")
     (budget,) = blocks("add-a-task.md", "yaml")
-    (tmp_path / "config" / "swing.yaml").write_text(budget)
+    (clone / "config" / "swing.yaml").write_text(budget)
     commands = blocks("add-a-task.md", "bash")[1].replace("snakemake", "snakemake --dry-run")
-    printed = shell(commands, tmp_path, tmp_path)
+    printed = shell(commands, clone, clone)
     assert "environment: Acrobot-v1" in printed
     planned = set(re.findall(r"results/rare_mutation/swing/\S+\.parquet", printed))
     assert planned == {
@@ -184,20 +174,20 @@ def test_a_figure(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_question_under_another_reading(tmp_path: Path) -> None:
     """Follow the page with runs of two generations, and make one of its tables."""
-    copy_repository(tmp_path)
+    clone = fresh_clone(tmp_path / "neol")
     budget, reading = blocks("ask-another-reading.md", "yaml")
     small = {"generations: 20": "generations: 2", "count: 5": "count: 2", "[50]": "[6]"}
     for said, less in small.items():
         assert said in budget
         budget = budget.replace(said, less)
-    (tmp_path / "config" / "landing.yaml").write_text(budget)
-    (tmp_path / "config" / "readings" / "rare_crossover.yaml").write_text(reading)
+    (clone / "config" / "landing.yaml").write_text(budget)
+    (clone / "config" / "readings" / "rare_crossover.yaml").write_text(reading)
     look, ask, compare, own = blocks("ask-another-reading.md", "bash")
 
-    printed = shell(look, tmp_path, tmp_path)
+    printed = shell(look, clone, clone)
     assert "<   weight_mutate_rate: 0.1" in printed and ">   weight_mutate_rate: 0.8" in printed
 
-    planned = shell(ask.replace("snakemake", "snakemake --dry-run"), tmp_path, tmp_path)
+    planned = shell(ask.replace("snakemake", "snakemake --dry-run"), clone, clone)
     changed = "worked_example+plasticity.reward_scale=0.1"
     cell = "landing/lunar_lander/hebb/p006_lr0.0025/seeds_5000-5001.parquet"
     for name in (DEFAULT_READING, changed):
@@ -207,15 +197,15 @@ def test_a_question_under_another_reading(tmp_path: Path) -> None:
             assert f"figures/{place}/{table}" in planned
 
     record = f"results/{DEFAULT_READING}/{cell}"
-    shell(f"snakemake --cores 1 {record} --config budget=landing", tmp_path, tmp_path)
+    shell(f"snakemake --cores 1 {record} --config budget=landing", clone, clone)
     table, under = f"figures/{changed}/landing/table1.md", changed.replace("+", " set=")
     options = f"--cores 2 --config budget=landing reading={under}"
-    shell(f"snakemake {table} {options}", tmp_path, tmp_path)
-    assert "Reading worked_example+" in (tmp_path / table).read_text(encoding="utf-8")
-    printed = shell(compare.replace("p050", "p006"), tmp_path, tmp_path)
+    shell(f"snakemake {table} {options}", clone, clone)
+    assert "Reading worked_example+" in (clone / table).read_text(encoding="utf-8")
+    printed = shell(compare.replace("p050", "p006"), clone, clone)
     assert re.search(r"plasticity.reward_scale +1\.0 +0\.1", printed), printed
 
     run, plan = own.replace(" 50 ", " 6 ").replace(" 20 ", " 2 ").split("snakemake")
-    shell(f"{run}snakemake --dry-run{plan}", tmp_path, tmp_path)
-    record = read_record(tmp_path / "rare.parquet")
+    shell(f"{run}snakemake --dry-run{plan}", clone, clone)
+    record = read_record(clone / "rare.parquet")
     assert (record.reading, record.spec.neat.crossover_rate) == ("rare_crossover", 0.25)

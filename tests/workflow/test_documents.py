@@ -74,7 +74,7 @@ def blocks(page: Path) -> list[Block]:
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A fresh clone that uses this environment as its own.
 
-    Of what Table 1 shows, one task's records are missing; test_smoke makes them all.
+    Of what Table 1 shows, one task's records are missing.
     """
     clone = fresh_clone(tmp_path_factory.mktemp("documents") / "neol")
     environment = clone / ".venv"
