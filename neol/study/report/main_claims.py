@@ -1,4 +1,4 @@
-"""Whether the paper's main claims hold: one sentence, and a table of them on each task.
+"""Whether the paper's main claims hold: one sentence, and a table of those that are asked.
 
 By these claims the rules end higher than NEAT and than NEAT (w/o), with a higher SCORE and less
 variation over seeds: the questions of three families in paper/questions.yaml.
@@ -11,25 +11,31 @@ import pandas as pd
 
 from neol.pictures.labels import listed, method_label, task_label, three_figures
 from neol.study.claims.ledger import WHOLE
-from neol.study.claims.questions import Difference, main_questions
+from neol.study.claims.questions import RULES, Difference, main_questions
 from neol.study.claims.units import in_print, interval_in_print
 from neol.study.claims.verdicts import AGAINST, FOR, OPPOSITE
 from neol.study.report.in_short import ANSWERS, Point
 
 CLAIMED = {
-    "fitness": "end higher",
-    "SCORE": "have a higher SCORE",
-    "spread": "vary less over seeds (ratio of SDs)",
+    "fitness": "end higher than",
+    "SCORE": "have a higher SCORE than",
+    "spread": "vary less over seeds than",
 }
 """What the main claims of each family say of the rules."""
-ABOUT = (
-    "Each answer has the mean of the three rules minus the baseline's, for variation the ratio, "
-    "with its interval; then that of each rule; then the effect that the paper prints. A dash: the "
-    "paper's settings were not run (generations, populations, learning rates), or with too few "
-    "seeds."
+HEAD = (
+    "do the rules ...",
+    "answer",
+    "effect [interval]",
+    *map(method_label, RULES),
+    "the paper's effect",
 )
-"""What the table's entries are."""
-NOT_RUN = "--"
+EFFECTS = (
+    "An effect is the mean of the three rules minus the baseline's, for variation over seeds the "
+    "ratio of standard deviations, with its interval. That of each rule alone and the one that the "
+    "paper prints follow."
+)
+"""What the table's numbers are."""
+UNASKED = "not asked here"
 UNDECIDED = {"inconclusive": "Open", "too short": "Too short"}
 TOO_LITTLE = "Not as much"
 """Answer where a claim is not reproduced, but the other direction is not shown either."""
@@ -39,7 +45,7 @@ def do_they_hold(ledger: pd.DataFrame) -> Point:
     """Say in a few sentences what the verdicts on the main claims are."""
     questions = main_questions()
     rows = ledger[ledger["part"] == WHOLE].set_index("question").loc[[q.id for q in questions]]
-    there = rows[rows["verdict"] != "not asked here"]
+    there = rows[rows["verdict"] != UNASKED]
     asked = list(there["verdict"])
     sides = {
         "for the paper": sum(verdict in FOR for verdict in asked),
@@ -66,28 +72,40 @@ def _tasks_of(rows: pd.DataFrame) -> str:
     return listed(map(task_label, dict.fromkeys(rows["tasks"])))
 
 
-def by_task(ledger: pd.DataFrame) -> list[list[str]]:
-    """Return a head, then a row for each claim and baseline, with the answer on each task.
+def answers_table(ledger: pd.DataFrame) -> list[list[str]]:
+    """Return a head, and a row for each main claim, baseline and task that is asked.
 
-    An answer has the effect of all rules together, with the interval of its look, that of each
-    rule, and the effect that the paper prints. Those on variation are ratios of standard
-    deviations. The table is empty where none of the questions is asked.
+    A row has the answer; the effect of all rules together, with the interval of its look; that of
+    each rule; and the one that the paper prints. The table is empty where nothing is asked.
     """
     rows = ledger[ledger["part"] == WHOLE].set_index("question").to_dict("index")
     parts = ledger[ledger["part"] != WHOLE].groupby("question")
-    grid: dict[tuple[str, str], dict[str, str]] = {}
-    for question in main_questions():
-        claim = (CLAIMED[str(question.family)], method_label(str(question.against.method)))
-        grid.setdefault(claim, {})[question.tasks[0]] = _answer(
-            question, rows[question.id], parts.get_group(question.id)
-        )
-    if {NOT_RUN} == {each for answers in grid.values() for each in answers.values()}:
-        return []
-    tasks = list(next(iter(grid.values())))
-    return [
-        ["do the rules ...", "compared with", *map(task_label, tasks)],
-        *([*claim, *(answers[task] for task in tasks)] for claim, answers in grid.items()),
+    asked = [
+        _row(question, rows[question.id], parts.get_group(question.id))
+        for question in main_questions()
+        if rows[question.id]["verdict"] != UNASKED
     ]
+    return [list(HEAD), *asked] if asked else []
+
+
+def about_the_table(ledger: pd.DataFrame) -> str:
+    """Explain the table's numbers, and say how many of the main claims are not asked, and why."""
+    rows = ledger[ledger["part"] == WHOLE].set_index("question")["verdict"]
+    unasked: dict[str, list[bool]] = {}
+    for question in main_questions():
+        (task,) = question.tasks
+        unasked.setdefault(task, []).append(rows[question.id] == UNASKED)
+    missing = listed(
+        f"{'all' if all(each) else f'{sum(each)} of'} {len(each)} on {task_label(task)}"
+        for task, each in unasked.items()
+        if any(each)
+    )
+    if not missing:
+        return EFFECTS
+    return (
+        f"{EFFECTS} Not asked: {missing}, because the paper's settings were not run (generations, "
+        "populations, learning rates), or with too few seeds."
+    )
 
 
 def _lead(sides: Mapping[str, int], decided: int) -> str:
@@ -98,22 +116,27 @@ def _lead(sides: Mapping[str, int], decided: int) -> str:
     return "Yes, where these runs decide." if decided == sides["for the paper"] else "In part."
 
 
-def _answer(question: Difference, row: Mapping[Hashable, Any], parts: pd.DataFrame) -> str:
-    """Return an answer with its effects.
+def _row(question: Difference, row: Mapping[Hashable, Any], parts: pd.DataFrame) -> list[str]:
+    """Return what is asked, the answer and the effects."""
+    (task,), baseline = question.tasks, method_label(str(question.against.method))
+    of_rule = dict(zip(parts["part"], parts["effect"], strict=True))
+    effects = [*(of_rule[f"{task}: {rule}"] for rule in question.rules), row["paper_effect"]]
+    return [
+        f"{CLAIMED[str(question.family)]} {baseline} on {task_label(task)}?",
+        _answer(row),
+        interval_in_print(question, row["effect"], row["low"], row["high"]),
+        *(three_figures(*in_print(question, effect)) for effect in effects),
+    ]
 
-    For example: No (the other direction): -83 [-132, -34] (BCM -240, Hebb -5, Oja -4); paper's 12.
-    """
+
+def _answer(row: Mapping[Hashable, Any]) -> str:
+    """Return an answer with its reason, for example: No (the other direction)."""
     verdict = row["verdict"]
-    if verdict == "not asked here":
-        return NOT_RUN
     answer = (ANSWERS | UNDECIDED)[verdict]
     if verdict == "not reproduced" and row["reason"] != OPPOSITE:
         answer = TOO_LITTLE
-    reason = f" ({row['reason']})" if isinstance(row["reason"], str) and row["reason"] else ""
-    ours = interval_in_print(question, row["effect"], row["low"], row["high"])
-    each = ", ".join(
-        f"{method_label(label.split(': ')[-1])} {three_figures(*in_print(question, effect))}"
-        for label, effect in zip(parts["part"], parts["effect"], strict=True)
+    return (
+        f"{answer} ({row['reason']})"
+        if isinstance(row["reason"], str) and row["reason"]
+        else answer
     )
-    papers = three_figures(*in_print(question, row["paper_effect"]))
-    return f"{answer}{reason}: {ours} ({each}); the paper's {papers}"

@@ -42,7 +42,7 @@ from neol.study.report.common import (
 from neol.study.report.embedding import short_gif, small_png
 from neol.study.report.in_short import in_short, terms
 from neol.study.report.levels import levels_reached
-from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
+from neol.study.report.main_claims import about_the_table, answers_table, do_they_hold
 from neol.study.report.results import answered
 from neol.study.report.showcase import Showcase, Shown
 from neol.study.report.speciation import species_by_cell
@@ -93,8 +93,8 @@ def page(campaign: Campaign, figures: Path, champions: Path) -> str:
         lacking=lacking(campaign),
         commit=describe_checkout(*checkout(*INPUTS, "docs/assumptions.md"), 12),
         do_they_hold=do_they_hold(ledger),
-        main_claims=by_task(ledger),
-        about_main_claims=ABOUT,
+        main_claims=answers_table(ledger),
+        about_main_claims=about_the_table(ledger),
         terms=terms(ledger, effects),
         in_short=in_short(campaign, species_by_cell(campaign), ledger, effects, selection),
         levels=levels_reached(selection),

@@ -40,7 +40,7 @@ from neol.study.report.common import command_line, render, verified, verified_fr
 from neol.study.report.further_runs import OPEN, costs_by_task
 from neol.study.report.in_short import in_short, terms
 from neol.study.report.levels import levels_reached
-from neol.study.report.main_claims import ABOUT, by_task, do_they_hold
+from neol.study.report.main_claims import about_the_table, answers_table, do_they_hold
 from neol.study.report.speciation import crowded_cells, species_by_cell, species_by_task
 from neol.study.tables.agreement import differing
 
@@ -85,8 +85,8 @@ def page(campaign: Campaign, figures: Path, name: str) -> str:
         figures=figures.as_posix(),
         title=_title(configuration),
         do_they_hold=do_they_hold(ledger).markdown(),
-        main_claims=by_task(ledger),
-        about_main_claims=ABOUT,
+        main_claims=answers_table(ledger),
+        about_main_claims=about_the_table(ledger),
         in_short=[
             point.markdown() for point in in_short(campaign, species, ledger, effects, selection)
         ],

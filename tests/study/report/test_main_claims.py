@@ -8,7 +8,12 @@ import pytest
 
 from neol.study.claims.questions import main_questions
 from neol.study.claims.verdicts import OPPOSITE
-from neol.study.report.main_claims import by_task, do_they_hold
+from neol.study.report.main_claims import (
+    EFFECTS,
+    about_the_table,
+    answers_table,
+    do_they_hold,
+)
 
 
 def ledger(reason: str = "why", **verdicts: str) -> pd.DataFrame:
@@ -28,14 +33,18 @@ def ledger(reason: str = "why", **verdicts: str) -> pd.DataFrame:
                 **numbers,
                 "reason": reason,
             },
-            {
-                "question": question.id,
-                "part": "hopper: bcm",
-                "tasks": question.tasks[0],
-                "verdict": verdict,
-                **numbers,
-                "reason": "",
-            },
+            *(
+                {
+                    "question": question.id,
+                    "part": f"{question.tasks[0]}: {rule}",
+                    "tasks": question.tasks[0],
+                    "verdict": verdict,
+                    **numbers,
+                    "effect": numbers["effect"] * place,
+                    "reason": "",
+                }
+                for place, rule in enumerate(question.rules, start=1)
+            ),
         ]
     return pd.DataFrame(rows)
 
@@ -64,20 +73,39 @@ def test_the_answer_says_no_more_than_the_verdicts(
     assert point.text.endswith(counts)
 
 
-def test_the_table_has_an_answer_for_each_claim_baseline_and_task() -> None:
-    head, *rows = by_task(
-        ledger(final_neat_hopper="not reproduced", spread_neat_wo_lunar_lander="inconclusive")
-    )
-    assert head[2:] == ["Lunar Lander", "Hopper", "Bipedal Walker"]
-    answers = {tuple(row[:2]): row[2:] for row in rows}
-    assert len(answers) == 6
-    assert answers["end higher", "NEAT"] == [
-        "--",
-        "Not as much (why): 1.00 [0.500, 1.50] (BCM 1.00); the paper's 12.0",
-        "--",
+def test_the_table_has_a_row_for_each_claim_that_is_asked() -> None:
+    made_up = ledger(final_neat_hopper="not reproduced", spread_neat_wo_lunar_lander="inconclusive")
+    head, higher, spread = answers_table(made_up)
+    assert head[3:6] == ["BCM", "Hebb", "Oja"]
+    assert higher == [
+        "end higher than NEAT on Hopper?",
+        "Not as much (why)",
+        "1.00 [0.500, 1.50]",
+        "1.00",
+        "2.00",
+        "3.00",
+        "12.0",
     ]
-    spread = answers["vary less over seeds (ratio of SDs)", "NEAT (w/o)"][0]
-    assert spread == "Open (why): 2.72 [1.65, 4.48] (BCM 2.72); the paper's 162755"
+    assert spread[:3] == [
+        "vary less over seeds than NEAT (w/o) on Lunar Lander?",
+        "Open (why)",
+        "2.72 [1.65, 4.48]",
+    ]
+    assert about_the_table(made_up).endswith(
+        "Not asked: 5 of 6 on Lunar Lander, 5 of 6 on Hopper and all 6 on Bipedal Walker, because "
+        "the paper's settings were not run (generations, populations, learning rates), or with too "
+        "few seeds."
+    )
+
+
+def test_nothing_asked_makes_no_table() -> None:
+    assert answers_table(ledger()) == []
+
+
+def test_nothing_is_missing_where_all_is_asked() -> None:
+    asked = {question.id.replace("-", "_"): "reproduced" for question in main_questions()}
+    assert len(answers_table(ledger(**asked))) == 1 + len(asked)
+    assert about_the_table(ledger(**asked)) == EFFECTS
 
 
 def test_the_other_direction_is_told_from_too_little() -> None:
@@ -85,5 +113,5 @@ def test_the_other_direction_is_told_from_too_little() -> None:
     point = do_they_hold(made_up)
     assert "ask 1 of them, all on Hopper, and decide 1: none for the paper and 1 " in point.text
     assert point.text.endswith("against it, 1 of these in the other direction.")
-    (row,) = (row for row in by_task(made_up) if row[:2] == ["end higher", "NEAT"])
-    assert row[3].startswith("No (the other direction): ")
+    _, row = answers_table(made_up)
+    assert row[1] == "No (the other direction)"
