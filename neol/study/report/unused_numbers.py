@@ -8,6 +8,7 @@ from neol.network.rules import BASELINES
 from neol.pictures.labels import method_label, task_label
 from neol.spec.configuration import PAPER_BUDGET, load_configuration
 from neol.study.campaign.grid import RESULTS, Cell, blocks
+from neol.study.campaign.reference import settings
 from neol.study.outcomes.baselines import TASK as SEARCHED
 from neol.study.outcomes.campaign_runs import Campaign
 from neol.study.outcomes.paper_numbers import moments
@@ -16,12 +17,15 @@ from neol.study.outcomes.statistics import Floats
 
 FINAL_TABLES = (1, 7)
 """The paper's tables of final best fitness: of all methods but NEAT (w/o), and with it."""
+CONFIGURATIONS = {"neat": 3, "neat_wo": 4}
+"""The paper's tables of the configurations behind these."""
 
 
 def unused_numbers(reading: str, results: Path = RESULTS) -> list[list[str]]:
     """Return a head, and a row for each task and baseline that has runs at the paper's budget.
 
-    A row has the final best fitness for each population, counted in both ways, and the paper's.
+    A row has the final best fitness for each population, counted in both ways, and the paper's with
+    its population.
     Lunar Lander with the largest population is left out: the search used it. Without runs the
     result is empty. Raises UserError as `Campaign.runs` does.
     """
@@ -59,4 +63,7 @@ def _moments(finals: Floats) -> str:
 
 def _of_the_paper(task: str, method: str) -> str:
     paper = moments(FINAL_TABLES, task).get(method)
-    return "" if paper is None else f"{paper.mean:,.0f} ± {paper.sd:,.0f}"
+    if paper is None:
+        return ""
+    population, _ = settings(CONFIGURATIONS[method])[task, method]
+    return f"{paper.mean:,.0f} ± {paper.sd:,.0f} (P = {population})"

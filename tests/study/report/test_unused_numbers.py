@@ -30,6 +30,12 @@ def test_finals_are_counted_in_both_ways_beside_the_papers(tmp_path: Path) -> No
     write(tmp_path, SEEN, UNSEEN, HOPPER)
     _, lander, hopper = unused_numbers("first", tmp_path)
     finals = "104 ± 3 / 604 ± 3 (10)"  # 100 to 109, and 499 more in the first generation
-    assert lander == ["Lunar Lander", "NEAT", finals, "", "", "", "312 ± 8"]
+    assert lander == ["Lunar Lander", "NEAT", finals, "", "", "", "312 ± 8 (P = 300)"]
     assert hopper[:2] == ["Hopper", "NEAT (w/o)"]
     assert hopper[5] == "101 ± 1 / 600 ± 1 (3)"
+
+
+def test_the_papers_number_has_the_papers_population(tmp_path: Path) -> None:
+    write(tmp_path, Cell("bipedal_walker", "neat", 50, None))
+    _, walker = unused_numbers("first", tmp_path)
+    assert walker[-1] == "183 ± 72 (P = 100)"  # Tables 1 and 3
