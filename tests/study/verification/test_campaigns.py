@@ -10,7 +10,7 @@ from neol.study.verification.manifest import records_of
 def test_a_folder_is_not_asked_for_records_that_another_budget_keeps() -> None:
     own = records_of(f"{DEFAULT_READING}/evidence").values()
     of_cells = {job.spec.task.name for job in own if job.part != SENSITIVITY}
-    assert of_cells == {"hopper", "bipedal_walker"}
+    assert of_cells == {"hopper"}
 
 
 def test_of_many_campaigns_the_complete_ones_are_counted() -> None:
