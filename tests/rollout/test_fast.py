@@ -172,12 +172,13 @@ def played_one_by_one(name: str) -> list[Played]:
         random = np.random.default_rng(case)
         networks = random_networks(random, 40, inputs, outputs, weight_sd=2.0)
         seeds = random.integers(2**64, size=(40, episodes), dtype=np.uint64)
-        broken = [7, 30] if case == 1 else []  # in one batch, because Box2D is slow with NaN
+        broken = [7, 30] if rule == WITH_NONE[-1] else [7]  # few: Box2D is slow with NaN
         for index in broken:
             networks.weight[slice(*networks.edge_bounds[index : index + 2])] = np.nan
         plasticity = plasticity_of(rule, write_back=case < 2)
         rollouts = engine.evaluate(networks, seeds, plasticity)
-        assert np.flatnonzero(rollouts.failed).tolist() == broken
+        if name != "lunar_lander" or rule != NO_RULE:  # the lander acts by NaN as by 0
+            assert np.flatnonzero(rollouts.failed).tolist() == broken
         played.append((networks, seeds, plasticity, rollouts))
     return played
 

@@ -35,7 +35,7 @@ EFFECTS = (
     "paper prints follow."
 )
 """What the table's numbers are."""
-UNASKED = "not asked here"
+NOT_ASKED = "not asked here"
 UNDECIDED = {"inconclusive": "Open", "too short": "Too short"}
 TOO_LITTLE = "Not as much"
 """Answer where a claim is not reproduced, but the other direction is not shown either."""
@@ -45,7 +45,7 @@ def do_they_hold(ledger: pd.DataFrame) -> Point:
     """Say in a few sentences what the verdicts on the main claims are."""
     questions = main_questions()
     rows = ledger[ledger["part"] == WHOLE].set_index("question").loc[[q.id for q in questions]]
-    there = rows[rows["verdict"] != UNASKED]
+    there = rows[rows["verdict"] != NOT_ASKED]
     asked = list(there["verdict"])
     sides = {
         "for the paper": sum(verdict in FOR for verdict in asked),
@@ -83,7 +83,7 @@ def answers_table(ledger: pd.DataFrame) -> list[list[str]]:
     asked = [
         _row(question, rows[question.id], parts.get_group(question.id))
         for question in main_questions()
-        if rows[question.id]["verdict"] != UNASKED
+        if rows[question.id]["verdict"] != NOT_ASKED
     ]
     return [list(HEAD), *asked] if asked else []
 
@@ -94,7 +94,7 @@ def about_the_table(ledger: pd.DataFrame) -> str:
     unasked: dict[str, list[bool]] = {}
     for question in main_questions():
         (task,) = question.tasks
-        unasked.setdefault(task, []).append(rows[question.id] == UNASKED)
+        unasked.setdefault(task, []).append(rows[question.id] == NOT_ASKED)
     missing = listed(
         f"{'all' if all(each) else f'{sum(each)} of'} {len(each)} on {task_label(task)}"
         for task, each in unasked.items()
@@ -120,7 +120,7 @@ def _row(question: Difference, row: Mapping[Hashable, Any], parts: pd.DataFrame)
     """Return what is asked, the answer and the effects."""
     (task,), baseline = question.tasks, method_label(str(question.against.method))
     of_rule = dict(zip(parts["part"], parts["effect"], strict=True))
-    effects = [*(of_rule[f"{task}: {rule}"] for rule in question.rules), row["paper_effect"]]
+    effects = [*(of_rule[f"{task}: {rule}"] for rule in RULES), row["paper_effect"]]
     return [
         f"{CLAIMED[str(question.family)]} {baseline} on {task_label(task)}?",
         _answer(row),
@@ -131,12 +131,8 @@ def _row(question: Difference, row: Mapping[Hashable, Any], parts: pd.DataFrame)
 
 def _answer(row: Mapping[Hashable, Any]) -> str:
     """Return an answer with its reason, for example: No (the other direction)."""
-    verdict = row["verdict"]
+    verdict, reason = row["verdict"], row["reason"]
     answer = (ANSWERS | UNDECIDED)[verdict]
-    if verdict == "not reproduced" and row["reason"] != OPPOSITE:
+    if verdict == "not reproduced" and reason != OPPOSITE:
         answer = TOO_LITTLE
-    return (
-        f"{answer} ({row['reason']})"
-        if isinstance(row["reason"], str) and row["reason"]
-        else answer
-    )
+    return f"{answer} ({reason})" if isinstance(reason, str) and reason else answer
